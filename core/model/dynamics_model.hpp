@@ -1,0 +1,40 @@
+// Mechanism plus effects: the model that the loop loads, evaluated once a tick.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/model/effect.hpp"
+#include "core/model/mechanism.hpp"
+
+namespace patella::model {
+
+/// The known terms of (7)–(8) at one state:  ddq = f + inverse_inertia · tau + f_u.
+struct ModelTerms {
+  JointMatrix inertia;          ///< I + ΣΔI, kg·m²
+  JointMatrix inverse_inertia;  ///< its inverse
+  JointVector bias_Nm;          ///< C dq + K − Σ effect torque: what tau must balance at zero acceleration
+  JointVector f;                ///< −inverse_inertia · bias, rad/s²  (paper (8), corrected)
+};
+
+class DynamicsModel {
+ public:
+  /// Takes ownership; every effect must have been made for mechanism->joints() joints.
+  DynamicsModel(std::unique_ptr<Mechanism> mechanism, std::vector<std::unique_ptr<Effect>> effects);
+
+  int joints() const noexcept { return mechanism_->joints(); }
+  const Mechanism& mechanism() const noexcept { return *mechanism_; }
+  std::span<const std::unique_ptr<Effect>> effects() const noexcept { return effects_; }
+
+  ModelTerms evaluate(const EffectInput& input) const noexcept;
+  /// Torque that produces ddq, N·m.
+  JointVector inverseDynamics(const EffectInput& input, const JointVector& ddq) const noexcept;
+  void advance(const EffectInput& input, double dt_s) noexcept;
+  void reset(const EffectInput& input) noexcept;
+
+ private:
+  std::unique_ptr<Mechanism> mechanism_;
+  std::vector<std::unique_ptr<Effect>> effects_;
+};
+
+}  // namespace patella::model

@@ -1,0 +1,73 @@
+// A physical effect beyond the rigid body: friction, stiffness, payload, actuation. One implementation of
+// each serves the loop, the simulation and the diagnosis.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "core/types.hpp"
+
+namespace patella::model {
+
+/// What an effect may look at. All vectors have the mechanism's number of joints.
+struct EffectInput {
+  JointVector q;           ///< rad
+  JointVector dq;          ///< rad/s
+  JointVector torque_Nm;   ///< commanded to the drives, N·m
+  EmgArray activation{};   ///< 0…1 per EMG channel
+  double time_s = 0.0;
+};
+
+/// A parameter of an effect: its name carries its unit, its range is the physical one, bounds included.
+struct EffectParameter {
+  std::string_view name;
+  std::string_view meaning;
+  double minimum;
+  double maximum;
+  double initial;
+};
+
+/// What can be said of an effect without making one.
+struct EffectDescriptor {
+  std::string_view kind;      ///< the name in model files
+  std::string_view equation;  ///< plain text
+  std::string_view source;    ///< literature
+  std::span<const EffectParameter> parameters;
+};
+
+/// Adds to the equation of motion:  (I + ΔI) ddq + C dq + K = tau + torque().
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  virtual const EffectDescriptor& descriptor() const noexcept = 0;
+  /// Joint on which the effect acts, from 0.
+  virtual int joint() const noexcept = 0;
+  /// Values in the order of descriptor().parameters.
+  virtual std::span<const double> parameters() const noexcept = 0;
+
+  /// Generalised torque on the leg at zero acceleration, N·m, from the state and the effect's memory;
+  /// does not change the memory, so that an integrator may call it at trial states.
+  virtual JointVector torque(const EffectInput& input) const noexcept = 0;
+  /// ΔI(q), kg·m²; zero for most effects.
+  virtual JointMatrix inertia(const JointVector& q) const noexcept {
+    return JointMatrix::Zero(q.size(), q.size());
+  }
+  /// Moves the memory (lag, hysteresis, delay) by one step; stateless effects do nothing.
+  virtual void advance(const EffectInput& /*input*/, double /*dt_s*/) noexcept {}
+  /// Forgets the memory, as when the loop is enabled anew.
+  virtual void reset(const EffectInput& /*input*/) noexcept {}
+};
+
+/// Every effect the model can be given, in the order of the documentation.
+std::span<const EffectDescriptor* const> effectCatalogue() noexcept;
+
+/// Descriptor of a kind, or nullptr.
+const EffectDescriptor* findEffect(std::string_view kind) noexcept;
+
+/// Makes an effect. Throws std::invalid_argument naming the kind, the parameter, its value and its range when the
+/// kind is unknown, the number of values is wrong, a value is out of range or the joint does not exist.
+std::unique_ptr<Effect> makeEffect(std::string_view kind, int joint, int joints, std::span<const double> parameters);
+
+}  // namespace patella::model

@@ -1,0 +1,51 @@
+// The causes for which the loop stops torque, as numbers that logs, summaries and tests share.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace patella::safety {
+
+/// Each value is a bit position in FaultSet. Append only: recorded logs carry the numbers.
+enum class Fault : std::uint8_t {
+  kEmergencyStop = 0,   ///< line asserted, or its device unreadable
+  kEncoderStale,        ///< no valid encoder sample within the timeout
+  kEncoderImplausible,  ///< position or velocity out of the sensor's range, or a jump no leg can make
+  kDriveStale,          ///< no valid drive status within the timeout
+  kDriveFault,          ///< the drive reports a fault of its own
+  kEmgStale,            ///< no valid EMG frame within the timeout while assistance needs it
+  kFrameCorrupt,        ///< CRC failures beyond the tolerated count
+  kFrameSequence,       ///< counter repeats or jumps beyond the tolerated count
+  kBusOff,              ///< controller left the bus, or the interface is down
+  kSendFailed,          ///< command frames could not be queued, N in a row
+  kOverrun,             ///< the tick missed its period, N in a row
+  kNotFinite,           ///< NaN or infinity in an estimate or a command
+  kVelocityLimit,       ///< joint faster than allowed
+  kJointRange,          ///< joint outside its allowed range
+  kTorqueLimit,         ///< demand above the torque limit for longer than tolerated
+  kCount
+};
+
+inline constexpr int kFaultCount = static_cast<int>(Fault::kCount);
+
+/// snake_case name for logs and summaries.
+std::string_view faultName(Fault fault) noexcept;
+
+class FaultSet {
+ public:
+  constexpr FaultSet() noexcept = default;
+  constexpr explicit FaultSet(std::uint32_t bits) noexcept : bits_(bits) {}
+
+  constexpr void add(Fault fault) noexcept { bits_ |= mask(fault); }
+  constexpr bool has(Fault fault) const noexcept { return (bits_ & mask(fault)) != 0; }
+  constexpr bool any() const noexcept { return bits_ != 0; }
+  constexpr std::uint32_t bits() const noexcept { return bits_; }
+  constexpr FaultSet operator|(FaultSet other) const noexcept { return FaultSet(bits_ | other.bits_); }
+  constexpr bool operator==(const FaultSet&) const noexcept = default;
+
+ private:
+  static constexpr std::uint32_t mask(Fault fault) noexcept { return 1U << static_cast<unsigned>(fault); }
+  std::uint32_t bits_ = 0;
+};
+
+}  // namespace patella::safety

@@ -1,0 +1,36 @@
+// Plain types that every part of a tick shares. SI units throughout: rad, rad/s, N·m, s
+// (for a prismatic joint read m, m/s, N). EMG stays in mV, as amplifiers deliver it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace patella {
+
+inline constexpr int kMaxJoints = 2;
+inline constexpr int kMaxEmgChannels = 4;
+
+/// One number per joint; stored inline, so resizing within kMaxJoints never touches the heap.
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
+/// joints x joints, stored inline.
+using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+/// 2 x joints: planar Cartesian velocity of the end point per joint velocity, stored inline.
+using Jacobian = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kMaxJoints>;
+
+/// EMG per channel, mV (raw) or dimensionless (activation).
+using EmgArray = std::array<double, kMaxEmgChannels>;
+
+/// What marks a function that runs in the loop: RealtimeSanitizer stops the program when anything called
+/// from it allocates, locks or makes a blocking system call. Place after `noexcept`.
+#if defined(__clang__) && defined(__has_cpp_attribute)
+#if __has_cpp_attribute(clang::nonblocking)
+#define PATELLA_NONBLOCKING [[clang::nonblocking]]
+#endif
+#endif
+#ifndef PATELLA_NONBLOCKING
+#define PATELLA_NONBLOCKING
+#endif
+
+}  // namespace patella

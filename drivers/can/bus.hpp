@@ -1,0 +1,49 @@
+// The one seam through which the loop reaches its rig. Backends: SocketCanBus, SimulatedBus, ReplayBus.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/types.hpp"
+#include "drivers/can/can_frame.hpp"
+
+namespace patella::can {
+
+enum class SendResult : std::uint8_t {
+  kSent,
+  kQueueFull,  ///< ENOBUFS or EAGAIN: the command is lost, not delayed
+  kDown,       ///< interface down or gone, or bus-off
+};
+
+/// Counters since opening; plain numbers, read between ticks.
+struct BusStatistics {
+  std::uint64_t frames_received = 0;
+  std::uint64_t frames_sent = 0;
+  std::uint64_t receive_dropped = 0;  ///< lost in the kernel's socket queue (SO_RXQ_OVFL)
+  std::uint64_t send_failed = 0;
+  std::uint64_t error_frames = 0;
+  std::uint64_t bus_off = 0;
+  std::uint64_t error_passive = 0;
+};
+
+class Bus {
+ public:
+  virtual ~Bus() = default;
+
+  /// Takes all frames that have arrived, oldest first, up to frames.size(); returns how many. Never waits.
+  /// `now_ns` is the loop clock at the start of the tick.
+  virtual std::size_t receive(std::span<Frame> frames, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING = 0;
+
+  /// Queues one frame; never waits. On success fills in the frame's stamps.
+  virtual SendResult send(Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING = 0;
+
+  /// True while the controller is off the bus or the interface is down.
+  virtual bool down() const noexcept = 0;
+
+  /// True when a finite source (a replayed log) has nothing more to give.
+  virtual bool exhausted() const noexcept { return false; }
+
+  virtual BusStatistics statistics() const noexcept = 0;
+};
+
+}  // namespace patella::can

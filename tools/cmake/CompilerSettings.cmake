@@ -1,0 +1,48 @@
+# One set of compiler rules for every target of the project.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+add_library(patella_settings INTERFACE)
+target_include_directories(patella_settings INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_options(patella_settings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  -Woverloaded-virtual -Wnull-dereference -Wformat=2 -Werror
+  # A fused multiply-add where the compiler feels like it would make logs differ between builds.
+  -ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12 reports false positives of these inside Eigen and libstdc++ at -O2 and under sanitizers.
+  target_compile_options(patella_settings INTERFACE
+    -Wno-maybe-uninitialized -Wno-null-dereference -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+endif()
+
+set(PATELLA_SANITIZER "" CACHE STRING "address (with undefined), thread, realtime, or empty")
+set_property(CACHE PATELLA_SANITIZER PROPERTY STRINGS "" address thread realtime)
+if(PATELLA_SANITIZER STREQUAL "address")
+  set(_sanitize -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -O1)
+elseif(PATELLA_SANITIZER STREQUAL "thread")
+  set(_sanitize -fsanitize=thread -O1)
+elseif(PATELLA_SANITIZER STREQUAL "realtime")
+  set(_sanitize -fsanitize=realtime -O1)
+elseif(NOT PATELLA_SANITIZER STREQUAL "")
+  message(FATAL_ERROR "PATELLA_SANITIZER is '${PATELLA_SANITIZER}', expected address, thread, realtime or empty")
+endif()
+if(_sanitize)
+  add_compile_options(${_sanitize})
+  add_link_options(${_sanitize})
+  add_compile_definitions(PATELLA_SANITIZER_${PATELLA_SANITIZER}=1)
+endif()
+
+if(CMAKE_BUILD_TYPE STREQUAL "RelWithDebInfo")
+  set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -DNDEBUG")
+endif()
