@@ -7,35 +7,38 @@
 
 namespace patella {
 
-/// Newest valid value of every input, held until a newer one comes. Vectors have the mechanism's number of joints.
+/// Newest valid value of every input, held until a newer one comes. Vectors have the mechanism's number of
+/// joints.
 struct Measurement {
   JointVector position_rad;
-  JointVector velocity_rad_s;    ///< meaningless where has_velocity is false
-  JointVector drive_torque_Nm;   ///< torque that the drives report they apply
+  JointVector velocity_rad_s;   ///< meaningless where has_velocity is false
+  JointVector drive_torque_Nm;  ///< torque that the drives report they apply
   EmgArray emg_mV{};
-  bool has_velocity = false;     ///< the encoder delivers a rate; otherwise it is derived from position
-  bool has_drive_torque = false; ///< a drive status is bound; otherwise the commanded torque is taken as applied
+  bool has_velocity = false;  ///< the encoder delivers a rate; otherwise it is derived from position
+  bool has_drive_torque =
+      false;  ///< a drive status is bound; otherwise the commanded torque is taken as applied
   bool drive_enabled = false;
   bool operator_enable = false;  ///< level
   bool operator_reset = false;   ///< level; the state machine looks for its rising edge
 
-  /// Sensor periods between the encoder sample of this measurement and the one before it (from the frame counter, or
-  /// from stamps where there is none); 0 when no new sample of all joints has come. Times the sensor period this is
-  /// the step of the estimators, so that neither jitter of the loop nor of the bus enters them.
+  /// Sensor periods between the encoder sample of this measurement and the one before it (from the frame
+  /// counter, or from stamps where there is none); 0 when no new sample of all joints has come. Times the
+  /// sensor period this is the step of the estimators, so that neither jitter of the loop nor of the bus
+  /// enters them.
   int encoder_steps = 0;
-  int emg_steps = 0;               ///< likewise for EMG
+  int emg_steps = 0;                      ///< likewise for EMG
   std::int64_t encoder_monotonic_ns = 0;  ///< loop clock at which the newest encoder frame was taken in
   std::int64_t encoder_wall_ns = 0;       ///< its stamp from the bus, wall clock
 
-  JointVector true_f_u;       ///< simulated rigs only, rad/s²
+  JointVector true_f_u;  ///< simulated rigs only, rad/s²
   bool has_truth = false;
 };
 
 /// What goes to the drives.
 struct Command {
   JointVector torque_Nm;
-  bool enable = false;      ///< drives may apply torque
-  std::uint8_t state = 0;   ///< safety::State as a number
+  bool enable = false;     ///< drives may apply torque
+  std::uint8_t state = 0;  ///< safety::State as a number
 };
 
 }  // namespace patella

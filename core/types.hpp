@@ -15,7 +15,8 @@ inline constexpr int kMaxEmgChannels = 4;
 /// One number per joint; stored inline, so resizing within kMaxJoints never touches the heap.
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
 /// joints x joints, stored inline.
-using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+using JointMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 /// 2 x joints: planar Cartesian velocity of the end point per joint velocity, stored inline.
 using Jacobian = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kMaxJoints>;
 

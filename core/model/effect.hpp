@@ -12,10 +12,10 @@ namespace patella::model {
 
 /// What an effect may look at. All vectors have the mechanism's number of joints.
 struct EffectInput {
-  JointVector q;           ///< rad
-  JointVector dq;          ///< rad/s
-  JointVector torque_Nm;   ///< commanded to the drives, N·m
-  EmgArray activation{};   ///< 0…1 per EMG channel
+  JointVector q;          ///< rad
+  JointVector dq;         ///< rad/s
+  JointVector torque_Nm;  ///< commanded to the drives, N·m
+  EmgArray activation{};  ///< 0…1 per EMG channel
   double time_s = 0.0;
 };
 
@@ -66,8 +66,9 @@ std::span<const EffectDescriptor* const> effectCatalogue() noexcept;
 /// Descriptor of a kind, or nullptr.
 const EffectDescriptor* findEffect(std::string_view kind) noexcept;
 
-/// Makes an effect. Throws std::invalid_argument naming the kind, the parameter, its value and its range when the
-/// kind is unknown, the number of values is wrong, a value is out of range or the joint does not exist.
-std::unique_ptr<Effect> makeEffect(std::string_view kind, int joint, int joints, std::span<const double> parameters);
+/// Makes an effect. Throws std::invalid_argument naming the kind, the parameter, its value and its range when
+/// the kind is unknown, the number of values is wrong, a value is out of range or the joint does not exist.
+std::unique_ptr<Effect> makeEffect(std::string_view kind, int joint, int joints,
+                                   std::span<const double> parameters);
 
 }  // namespace patella::model

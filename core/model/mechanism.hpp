@@ -10,7 +10,8 @@ namespace patella::model {
 
 /// Regressor of the inverse dynamics in the mechanism's base parameters: joints x baseParameters().
 inline constexpr int kMaxBaseParameters = 5;
-using Regressor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxBaseParameters>;
+using Regressor =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxBaseParameters>;
 using BaseParameters = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxBaseParameters, 1>;
 
 /// I(q) ddq + C(q, dq) dq + K(q) = tau + J(q)^T h + effects        (paper (1), with h the force on the leg)
@@ -38,7 +39,8 @@ class Mechanism {
   /// Their values for this mechanism.
   virtual BaseParameters baseParameters() const noexcept = 0;
   /// Y with I ddq + C dq + K = Y · baseParameters().
-  virtual Regressor regressor(const JointVector& q, const JointVector& dq, const JointVector& ddq) const noexcept = 0;
+  virtual Regressor regressor(const JointVector& q, const JointVector& dq,
+                              const JointVector& ddq) const noexcept = 0;
 };
 
 }  // namespace patella::model

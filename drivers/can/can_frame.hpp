@@ -9,17 +9,19 @@ namespace patella::can {
 inline constexpr int kMaxDataLength = 64;
 
 struct Frame {
-  std::uint32_t id = 0;        ///< 11 or 29 bits, without flags
-  bool extended = false;       ///< 29-bit identifier
-  bool fd = false;             ///< CAN FD frame
+  std::uint32_t id = 0;   ///< 11 or 29 bits, without flags
+  bool extended = false;  ///< 29-bit identifier
+  bool fd = false;        ///< CAN FD frame
   bool bit_rate_switch = false;
-  bool error = false;          ///< error report of the controller; id then holds the CAN_ERR_* class bits
+  bool error = false;  ///< error report of the controller; id then holds the CAN_ERR_* class bits
   bool remote = false;
-  bool own = false;            ///< echo of a frame that this process sent
-  std::uint8_t length = 0;     ///< bytes of data in use
+  bool own = false;         ///< echo of a frame that this process sent
+  std::uint8_t length = 0;  ///< bytes of data in use
   std::array<std::uint8_t, kMaxDataLength> data{};
-  std::int64_t monotonic_ns = 0;  ///< loop clock when the frame was taken off or put on the bus; staleness is judged by it
-  std::int64_t wall_ns = 0;       ///< kernel's wall-clock stamp (simulated where there is no kernel); compare with each other only
+  std::int64_t monotonic_ns =
+      0;  ///< loop clock when the frame was taken off or put on the bus; staleness is judged by it
+  std::int64_t wall_ns =
+      0;  ///< kernel's wall-clock stamp (simulated where there is no kernel); compare with each other only
 };
 
 }  // namespace patella::can

@@ -20,9 +20,13 @@ std::int64_t read(clockid_t id) noexcept {
 
 }  // namespace
 
-std::int64_t MonotonicClock::now() const noexcept PATELLA_NONBLOCKING { return read(CLOCK_MONOTONIC); }
+std::int64_t MonotonicClock::now() const noexcept PATELLA_NONBLOCKING {
+  return read(CLOCK_MONOTONIC);
+}
 
-std::int64_t MonotonicClock::wallNow() const noexcept PATELLA_NONBLOCKING { return read(CLOCK_REALTIME); }
+std::int64_t MonotonicClock::wallNow() const noexcept PATELLA_NONBLOCKING {
+  return read(CLOCK_REALTIME);
+}
 
 void MonotonicClock::sleepUntil(std::int64_t instant_ns) noexcept {
   timespec t{};

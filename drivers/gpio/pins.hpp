@@ -11,8 +11,9 @@ class Pins {
  public:
   virtual ~Pins() = default;
 
-  /// True when the emergency stop is pressed at this moment, when it was pressed at any instant since the last
-  /// call (edge seen by the kernel), or when the line cannot be read. The circuit is active low: a broken wire stops.
+  /// True when the emergency stop is pressed at this moment, when it was pressed at any instant since the
+  /// last call (edge seen by the kernel), or when the line cannot be read. The circuit is active low: a
+  /// broken wire stops.
   virtual bool emergencyStop() noexcept PATELLA_NONBLOCKING = 0;
   /// Level of the drive-enable line; false also when setting it failed.
   virtual bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING = 0;
