@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Runs clang-tidy over the product's sources (not the tests) with the compile commands of a build folder.
+# A file that passed is not looked at again until it, a header, or the rules change.
+#
+#   tools/checks/tidy.sh BUILD_DIR
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+build=${1:?usage: tools/checks/tidy.sh BUILD_DIR}
+stamps=$build/tidy-passed
+mkdir -p "$stamps"
+export build stamps
+rules=$(cat .clang-tidy tools/cmake/CompilerSettings.cmake $(find core drivers sim firmware_app tools -name '*.hpp' | sort) | sha1sum | cut -c1-40)
+export rules
+check() {
+  stamp=$stamps/$( (echo "$rules $1"; cat "$1") | sha1sum | cut -c1-40)
+  [ -e "$stamp" ] && return 0
+  clang-tidy --quiet -p "$build" "$1" 2>"$stamp.log" || { grep -v 'warnings generated' "$stamp.log" >&2; return 1; }
+  rm -f "$stamp.log"
+  touch "$stamp"
+}
+export -f check
+grep -oE '"file": "[^"]+"' "$build/compile_commands.json" | cut -d'"' -f4 | sort -u |
+  grep -E "^$PWD/(core|drivers|sim|firmware_app|tools)/" |
+  xargs -P "$(nproc)" -I{} bash -c 'check {}'
+echo "clang-tidy has nothing to say"
