@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/model/effect.hpp"
@@ -19,18 +20,20 @@ struct ModelTerms {
 
 class DynamicsModel {
  public:
-  /// Takes ownership; every effect must have been made for mechanism->joints() joints.
+  /// Takes ownership; every effect must have been made for this mechanism. Throws std::invalid_argument when
+  /// the mechanism or an effect is null.
   DynamicsModel(std::unique_ptr<Mechanism> mechanism, std::vector<std::unique_ptr<Effect>> effects);
 
   int joints() const noexcept { return mechanism_->joints(); }
   const Mechanism& mechanism() const noexcept { return *mechanism_; }
   std::span<const std::unique_ptr<Effect>> effects() const noexcept { return effects_; }
 
-  ModelTerms evaluate(const EffectInput& input) const noexcept;
+  ModelTerms evaluate(const EffectInput& input) const noexcept PATELLA_NONBLOCKING;
   /// Torque that produces ddq, N·m.
-  JointVector inverseDynamics(const EffectInput& input, const JointVector& ddq) const noexcept;
-  void advance(const EffectInput& input, double dt_s) noexcept;
-  void reset(const EffectInput& input) noexcept;
+  JointVector inverseDynamics(const EffectInput& input,
+                              const JointVector& ddq) const noexcept PATELLA_NONBLOCKING;
+  void advance(const EffectInput& input, double dt_s) noexcept PATELLA_NONBLOCKING;
+  void reset(const EffectInput& input) noexcept PATELLA_NONBLOCKING;
 
  private:
   std::unique_ptr<Mechanism> mechanism_;

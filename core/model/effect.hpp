@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/model/mechanism.hpp"
 #include "core/types.hpp"
 
 namespace patella::model {
@@ -26,6 +27,7 @@ struct EffectParameter {
   double minimum;
   double maximum;
   double initial;
+  bool identified = true;  ///< false for a modelling choice that no recording determines: kept as given
 };
 
 /// What can be said of an effect without making one.
@@ -66,9 +68,10 @@ std::span<const EffectDescriptor* const> effectCatalogue() noexcept;
 /// Descriptor of a kind, or nullptr.
 const EffectDescriptor* findEffect(std::string_view kind) noexcept;
 
-/// Makes an effect. Throws std::invalid_argument naming the kind, the parameter, its value and its range when
-/// the kind is unknown, the number of values is wrong, a value is out of range or the joint does not exist.
-std::unique_ptr<Effect> makeEffect(std::string_view kind, int joint, int joints,
+/// Makes an effect on a joint of a mechanism, which must outlive it (DynamicsModel keeps both). Throws
+/// std::invalid_argument naming the kind, the parameter, its value and its range when the kind is unknown,
+/// the number of values is wrong, a value is out of range or the joint does not exist.
+std::unique_ptr<Effect> makeEffect(std::string_view kind, int joint, const Mechanism& mechanism,
                                    std::span<const double> parameters);
 
 }  // namespace patella::model

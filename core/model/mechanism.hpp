@@ -14,6 +14,13 @@ using Regressor =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxBaseParameters>;
 using BaseParameters = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxBaseParameters, 1>;
 
+/// Motion of a point fixed to a segment (x forward, y up):  velocity = jacobian · dq and
+/// acceleration = jacobian · ddq + bias_acceleration.
+struct PointMotion {
+  Jacobian jacobian;                  ///< m/s per rad/s
+  Eigen::Vector2d bias_acceleration;  ///< dJ/dt · dq, m/s²
+};
+
 /// I(q) ddq + C(q, dq) dq + K(q) = tau + J(q)^T h + effects        (paper (1), with h the force on the leg)
 class Mechanism {
  public:
@@ -29,6 +36,12 @@ class Mechanism {
   virtual JointVector gravity(const JointVector& q) const noexcept = 0;
   /// J(q): velocity of the end point (x forward, y up), m/s per rad/s.
   virtual Jacobian jacobian(const JointVector& q) const noexcept = 0;
+  /// Motion of the point of the segment that `joint` moves, `distance_m` from that joint along the segment;
+  /// for a prismatic joint the distance is without effect.
+  virtual PointMotion pointMotion(int joint, double distance_m, const JointVector& q,
+                                  const JointVector& dq) const noexcept = 0;
+  /// Acceleration of gravity, m/s², downwards; 0 for a horizontal plane.
+  virtual double gravityAcceleration() const noexcept = 0;
   /// Kinetic energy, J.
   virtual double kineticEnergy(const JointVector& q, const JointVector& dq) const noexcept = 0;
   /// Potential energy, J, zero at the height of the first joint.

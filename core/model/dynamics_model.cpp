@@ -1,0 +1,65 @@
+#include "core/model/dynamics_model.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace patella::model {
+namespace {
+
+/// Of a symmetric positive definite 1x1 or 2x2 matrix.
+JointMatrix inverse(const JointMatrix& m) noexcept {
+  JointMatrix result(m.rows(), m.cols());
+  if (m.rows() == 1) {
+    result(0, 0) = 1.0 / m(0, 0);
+  } else {
+    result << m(1, 1), -m(0, 1), -m(1, 0), m(0, 0);
+    result /= m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0);
+  }
+  return result;
+}
+
+}  // namespace
+
+DynamicsModel::DynamicsModel(std::unique_ptr<Mechanism> mechanism,
+                             std::vector<std::unique_ptr<Effect>> effects)
+    : mechanism_(std::move(mechanism)), effects_(std::move(effects)) {
+  if (!mechanism_) {
+    throw std::invalid_argument("DynamicsModel: mechanism is null, expected one");
+  }
+  if (std::any_of(effects_.begin(), effects_.end(), [](const auto& effect) { return !effect; })) {
+    throw std::invalid_argument("DynamicsModel: an effect is null, expected one");
+  }
+}
+
+ModelTerms DynamicsModel::evaluate(const EffectInput& input) const noexcept {
+  ModelTerms terms;
+  terms.inertia = mechanism_->inertia(input.q);
+  terms.bias_Nm = mechanism_->coriolis(input.q, input.dq) * input.dq + mechanism_->gravity(input.q);
+  for (const auto& effect : effects_) {
+    terms.inertia += effect->inertia(input.q);
+    terms.bias_Nm -= effect->torque(input);
+  }
+  terms.inverse_inertia = inverse(terms.inertia);
+  terms.f = -(terms.inverse_inertia * terms.bias_Nm);
+  return terms;
+}
+
+JointVector DynamicsModel::inverseDynamics(const EffectInput& input, const JointVector& ddq) const noexcept {
+  const ModelTerms terms = evaluate(input);
+  return terms.inertia * ddq + terms.bias_Nm;
+}
+
+void DynamicsModel::advance(const EffectInput& input, double dt_s) noexcept {
+  for (const auto& effect : effects_) {
+    effect->advance(input, dt_s);
+  }
+}
+
+void DynamicsModel::reset(const EffectInput& input) noexcept {
+  for (const auto& effect : effects_) {
+    effect->reset(input);
+  }
+}
+
+}  // namespace patella::model

@@ -1,0 +1,31 @@
+#include "core/model/effects/payload.hpp"
+
+namespace patella::model {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{"mass_kg", "mass of the load", 0.0, 50.0, 0.5},
+    EffectParameter{"distance_m", "distance from the joint, along the segment", 0.0, 2.0, 0.2}};
+
+}  // namespace
+
+constinit const EffectDescriptor Payload::kDescriptor{
+    "payload", "(mass J'J) ddq + mass J'(dJ/dt dq + [0, g]) = 0 with J of the point at distance",
+    "Siciliano et al., Robotics: Modelling, Planning and Control, Section 7.1", kParameters};
+
+Payload::Payload(int joint, const Mechanism& mechanism, std::span<const double> parameters)
+    : JointEffect(joint, parameters), mechanism_(&mechanism) {}
+
+JointVector Payload::torque(const EffectInput& input) const noexcept {
+  const PointMotion point = mechanism_->pointMotion(joint(), parameter(1), input.q, input.dq);
+  const Eigen::Vector2d against_gravity(0.0, mechanism_->gravityAcceleration());
+  return -parameter(0) * (point.jacobian.transpose() * (point.bias_acceleration + against_gravity));
+}
+
+JointMatrix Payload::inertia(const JointVector& q) const noexcept {
+  const Jacobian jacobian =
+      mechanism_->pointMotion(joint(), parameter(1), q, JointVector::Zero(q.size())).jacobian;
+  return parameter(0) * (jacobian.transpose() * jacobian);
+}
+
+}  // namespace patella::model
