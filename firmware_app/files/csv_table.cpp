@@ -1,0 +1,263 @@
+#include "firmware_app/files/csv_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <tuple>
+
+#include "firmware_app/files/wording.hpp"
+
+namespace patella::app {
+namespace {
+
+constexpr std::size_t kSkipped = std::numeric_limits<std::size_t>::max();
+
+std::string_view trimmed(std::string_view cell) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+  while (!cell.empty() && blank(cell.front())) {
+    cell.remove_prefix(1);
+  }
+  while (!cell.empty() && blank(cell.back())) {
+    cell.remove_suffix(1);
+  }
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
+    cell = cell.substr(1, cell.size() - 2);
+  }
+  return cell;
+}
+
+/// One pass over the text, line by line and cell by cell.
+class Parser {
+ public:
+  Parser(std::string_view text, std::string file, const CsvOptions& options)
+      : rest_(text), file_(std::move(file)), options_(options) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) {
+      rest_.remove_prefix(3);
+    }
+    // Empty lines at the end carry nothing; anywhere else they are rows without cells.
+    while (!rest_.empty() && (rest_.back() == '\n' || rest_.back() == '\r')) {
+      rest_.remove_suffix(1);
+    }
+  }
+
+  bool nextLine() {
+    if (rest_.empty()) {
+      return false;
+    }
+    ++line_number_;
+    const auto end = std::min(rest_.find('\n'), rest_.size());
+    line_ = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    if (line_.ends_with('\r')) {
+      line_.remove_suffix(1);
+    }
+    line_done_ = false;
+    return true;
+  }
+
+  /// Next cell of the line; false past the last one.
+  bool nextCell(std::string_view& cell) {
+    if (line_done_) {
+      return false;
+    }
+    std::size_t end = 0;
+    if (line_.starts_with('"')) {
+      const auto quote = line_.find('"', 1);
+      end = quote == std::string_view::npos ? line_.size() : quote;
+    }
+    const void* found = end < line_.size()
+                            ? std::memchr(line_.data() + end, options_.delimiter, line_.size() - end)
+                            : nullptr;
+    end = found == nullptr ? line_.size()
+                           : static_cast<std::size_t>(static_cast<const char*>(found) - line_.data());
+    cell = line_.substr(0, end);
+    line_done_ = found == nullptr;
+    line_.remove_prefix(line_done_ ? end : end + 1);
+    return true;
+  }
+
+  double number(std::string_view cell, const std::string& column) const {
+    double value = 0.0;
+    auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (end != cell.data() + cell.size() || error != std::errc{}) {
+      std::string_view inner = trimmed(cell);
+      if (options_.allow_missing && inner.empty()) {
+        return std::numeric_limits<double>::quiet_NaN();
+      }
+      if (inner.starts_with('+')) {  // spreadsheets write it, from_chars refuses it
+        inner.remove_prefix(1);
+      }
+      std::tie(end, error) = parse(inner, value);
+      if (inner.empty() || end != inner.data() + inner.size() || error != std::errc{}) {
+        fail("column '" + column + "': value '" + std::string(cell) + "', expected a number");
+      }
+    }
+    if (!std::isfinite(value)) {
+      if (!options_.allow_missing) {
+        fail("column '" + column + "': value '" + std::string(cell) + "', expected a finite number");
+      }
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    return value;
+  }
+
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw FileError(file_ + ":" + std::to_string(std::max<std::size_t>(line_number_, 1)) + ": " + problem);
+  }
+
+ private:
+  static std::pair<const char*, std::errc> parse(std::string_view text, double& value) {
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+    return {result.ptr, result.ec};
+  }
+
+  std::string_view rest_;
+  std::string_view line_;
+  std::string file_;
+  const CsvOptions& options_;
+  std::size_t line_number_ = 0;
+  bool line_done_ = true;
+};
+
+std::vector<std::string> readHeader(Parser& parser) {
+  if (!parser.nextLine()) {
+    parser.fail("the file is empty, expected a header of column names");
+  }
+  std::vector<std::string> header;
+  std::string_view cell;
+  while (parser.nextCell(cell)) {
+    const std::string name(trimmed(cell));
+    const std::string ordinal = "column " + std::to_string(header.size() + 1);
+    if (name.empty()) {
+      parser.fail(ordinal + " has no name");
+    }
+    if (std::find(header.begin(), header.end(), name) != header.end()) {
+      parser.fail(ordinal + ": name '" + name + "' is repeated");
+    }
+    header.push_back(name);
+  }
+  // A file without header would otherwise lose its first row unnoticed.
+  const bool numbers = std::all_of(header.begin(), header.end(), [](const std::string& name) {
+    double value = 0.0;
+    return std::from_chars(name.data(), name.data() + name.size(), value).ptr == name.data() + name.size();
+  });
+  if (numbers) {
+    parser.fail("the first line holds numbers, expected a header of column names");
+  }
+  return header;
+}
+
+}  // namespace
+
+CsvTable CsvTable::load(const std::filesystem::path& path, const CsvOptions& options) {
+  return parse(readFile(path), path.string(), options);
+}
+
+CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
+  Parser parser(text, name, options);
+  const std::vector<std::string> header = readHeader(parser);
+  for (const std::string& wanted : options.columns) {
+    if (std::find(header.begin(), header.end(), wanted) == header.end()) {
+      parser.fail("there is no column '" + wanted + "'" + suggestion(wanted, header));
+    }
+  }
+
+  CsvTable table;
+  table.file_ = name;
+  std::vector<std::size_t> target(header.size(), kSkipped);  // column of the file -> column of the table
+  for (std::size_t i = 0; i < header.size(); ++i) {
+    const auto& only = options.columns;
+    if (only.empty() || std::find(only.begin(), only.end(), header[i]) != only.end()) {
+      target[i] = table.names_.size();
+      table.names_.push_back(header[i]);
+    }
+  }
+  table.columns_.resize(table.names_.size());
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  for (auto& column : table.columns_) {
+    column.reserve(lines);
+  }
+
+  std::string_view cell;
+  while (parser.nextLine()) {
+    std::size_t index = 0;
+    while (parser.nextCell(cell)) {
+      if (index < header.size() && target[index] != kSkipped) {
+        table.columns_[target[index]].push_back(parser.number(cell, header[index]));
+      }
+      ++index;
+    }
+    if (index != header.size()) {
+      parser.fail(std::to_string(index) + " cells, expected " + std::to_string(header.size()) +
+                  " as in the header");
+    }
+  }
+  if (table.rows() < options.minimum_rows) {
+    parser.fail(std::to_string(table.rows()) + " rows of numbers, expected at least " +
+                std::to_string(options.minimum_rows));
+  }
+  return table;
+}
+
+bool CsvTable::has(std::string_view name) const noexcept {
+  return std::find(names_.begin(), names_.end(), name) != names_.end();
+}
+
+std::span<const double> CsvTable::column(std::string_view name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) {
+    throw FileError(file_ + ":1: there is no column '" + std::string(name) + "'" + suggestion(name, names_));
+  }
+  return columns_[static_cast<std::size_t>(found - names_.begin())];
+}
+
+std::optional<std::size_t> CsvTable::firstNotIncreasing(std::string_view name) const {
+  const std::span<const double> values = column(name);
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (!(values[i] > values[i - 1])) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+CsvWriter::CsvWriter(const std::filesystem::path& path, const std::vector<std::string>& names)
+    : file_(path), columns_(names.size()) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool repeated = std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i),
+                                    names[i]) != names.begin() + static_cast<std::ptrdiff_t>(i);
+    if (names[i].empty() || names[i].find_first_of(",\"\r\n") != std::string::npos || repeated) {
+      throw std::invalid_argument(path.string() + ": column name '" + names[i] +
+                                  "', expected a unique name without commas, quotes and line ends");
+    }
+    line_ += (i == 0 ? "" : ",") + names[i];
+  }
+  line_ += '\n';
+  file_.write(line_);
+}
+
+void CsvWriter::row(std::span<const double> values) {
+  if (values.size() != columns_) {
+    throw std::invalid_argument(file_.target().string() + ": " + std::to_string(values.size()) +
+                                " values in a row, expected " + std::to_string(columns_));
+  }
+  line_.clear();
+  std::array<char, 32> text{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i != 0) {
+      line_ += ',';
+    }
+    if (std::isfinite(values[i])) {
+      const auto end = std::to_chars(text.data(), text.data() + text.size(), values[i]).ptr;
+      line_.append(text.data(), end);
+    }
+  }
+  line_ += '\n';
+  file_.write(line_);
+}
+
+}  // namespace patella::app

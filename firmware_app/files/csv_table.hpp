@@ -1,0 +1,69 @@
+// Recordings as CSV: one header line of names with units, then numbers.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/file_error.hpp"
+
+namespace patella::app {
+
+struct CsvOptions {
+  char delimiter = ',';
+  std::size_t minimum_rows = 1;
+  /// Read these columns only, all required; empty: every column. Other columns may then hold text.
+  std::vector<std::string> columns{};
+  /// Empty cells, nan and infinities are values (all read as NaN), as in the loop's own recordings before a
+  /// signal has arrived; otherwise they are errors.
+  bool allow_missing = false;
+};
+
+/// Columns of double with equal lengths. Lines may end in LF or CRLF, the last one in nothing; a byte-order
+/// mark, quotes around cells and empty lines at the end are passed over.
+class CsvTable {
+ public:
+  /// Throws FileError: "file:line: column 'q1_rad': value 'abc', expected a number"; also for an empty file,
+  /// empty or repeated names, lines with too few or too many cells, and too few rows.
+  static CsvTable load(const std::filesystem::path& path, const CsvOptions& options = {});
+  /// `name` stands for the file in messages.
+  static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
+
+  /// Of the columns that were read, in the order of the file.
+  const std::vector<std::string>& names() const noexcept { return names_; }
+  std::size_t rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
+  bool has(std::string_view name) const noexcept;
+  /// Throws FileError naming the column, the file and the nearest name.
+  std::span<const double> column(std::string_view name) const;
+  /// Line of the file at which a row stands, counted from 1.
+  static std::size_t lineOf(std::size_t row) noexcept { return row + 2; }
+  /// First row whose value is not greater than the one before it, for columns of time; NaN counts as such.
+  std::optional<std::size_t> firstNotIncreasing(std::string_view name) const;
+
+ private:
+  std::string file_;
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+};
+
+/// Writes such a file; it appears when committed. Numbers read back as the same double, NaN as an empty cell.
+class CsvWriter {
+ public:
+  /// Names must be unique and free of commas, quotes and line ends; std::invalid_argument otherwise.
+  CsvWriter(const std::filesystem::path& path, const std::vector<std::string>& names);
+  /// Throws std::invalid_argument unless there is one value for each name.
+  void row(std::span<const double> values);
+  void commit() { file_.commit(); }
+
+ private:
+  AtomicFile file_;
+  std::size_t columns_;
+  std::string line_;
+};
+
+}  // namespace patella::app

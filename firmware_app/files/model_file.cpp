@@ -1,0 +1,227 @@
+#include "firmware_app/files/model_file.hpp"
+
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "core/model/effect.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/files/wording.hpp"
+
+namespace patella::app {
+namespace {
+
+using model::PlanarTwoLinkParameters;
+using model::PrismaticJointParameters;
+using model::RevoluteJointParameters;
+
+constexpr const char* kPlanarTwoLink = "planar_two_link";
+constexpr const char* kRevolute = "revolute";
+constexpr const char* kPrismatic = "prismatic";
+
+template <typename... Visitors>
+struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+
+std::array<double, 2> readPair(const TomlTable& table, std::string_view key, Range range) {
+  const std::vector<double> values = table.numbers(key, CountRange::exactly(2), range);
+  return {values[0], values[1]};
+}
+
+MechanismDescription readMechanism(const TomlTable& table) {
+  const std::string kind =
+      table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic});
+  const double gravity = table.number("gravity_m_s2", kNotNegative, 9.81);
+  if (kind == kPlanarTwoLink) {
+    return PlanarTwoLinkParameters{.mass_kg = readPair(table, "mass_kg", kPositive),
+                                   .length_m = readPair(table, "length_m", kPositive),
+                                   .com_m = readPair(table, "com_m", kNotNegative),
+                                   .inertia_kg_m2 = readPair(table, "inertia_kg_m2", kNotNegative),
+                                   .gravity_m_s2 = gravity};
+  }
+  if (kind == kRevolute) {
+    return RevoluteJointParameters{.inertia_kg_m2 = table.number("inertia_kg_m2", kPositive),
+                                   .moment_kg_m = table.number("moment_kg_m", kNotNegative),
+                                   .length_m = table.number("length_m", kPositive),
+                                   .gravity_m_s2 = gravity};
+  }
+  return PrismaticJointParameters{.mass_kg = table.number("mass_kg", kPositive),
+                                  .inclination_rad = table.number("inclination_rad", kAnyNumber, 0.0),
+                                  .gravity_m_s2 = gravity};
+}
+
+std::vector<std::string> knownEffects() {
+  std::vector<std::string> kinds;
+  for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
+    kinds.emplace_back(descriptor->kind);
+  }
+  return kinds;
+}
+
+EffectDescription readEffect(const TomlTable& table, int joints) {
+  EffectDescription effect;
+  effect.kind = table.choice("kind", knownEffects());
+  effect.joint = static_cast<int>(table.integer("joint", 1, joints)) - 1;
+  for (const model::EffectParameter& parameter : model::findEffect(effect.kind)->parameters) {
+    effect.parameters.push_back(
+        table.number(parameter.name, {.minimum = parameter.minimum, .maximum = parameter.maximum}));
+  }
+  return effect;
+}
+
+std::unique_ptr<model::Mechanism> makeMechanism(const MechanismDescription& description) {
+  return std::visit(Overloaded{[](const PlanarTwoLinkParameters& leg) -> std::unique_ptr<model::Mechanism> {
+                                 return std::make_unique<model::PlanarTwoLink>(leg);
+                               },
+                               [](const RevoluteJointParameters& joint) -> std::unique_ptr<model::Mechanism> {
+                                 return std::make_unique<model::RevoluteJoint>(joint);
+                               },
+                               [](const PrismaticJointParameters& axis) -> std::unique_ptr<model::Mechanism> {
+                                 return std::make_unique<model::PrismaticJoint>(axis);
+                               }},
+                    description);
+}
+
+std::string assignment(std::string_view key, const std::string& value, const std::string& comment) {
+  return std::string(key) + " = " + value + (comment.empty() ? "" : "  # " + comment) + "\n";
+}
+
+std::string assignment(std::string_view key, double value, const std::string& comment) {
+  return assignment(key, formatNumber(value), comment);
+}
+
+std::string assignment(std::string_view key, const std::array<double, 2>& pair, const std::string& comment) {
+  return assignment(key, "[" + formatNumber(pair[0]) + ", " + formatNumber(pair[1]) + "]", comment);
+}
+
+std::string kindLine(std::string_view kind) {
+  return assignment("kind", "\"" + std::string(kind) + "\"", "");
+}
+
+std::string mechanismText(const MechanismDescription& description) {
+  const std::string gravity_comment = "m/s², downwards";
+  return "[mechanism]\n" +
+         std::visit(
+             Overloaded{
+                 [&](const PlanarTwoLinkParameters& leg) {
+                   return kindLine(kPlanarTwoLink) + assignment("mass_kg", leg.mass_kg, "kg; thigh, shank") +
+                          assignment("length_m", leg.length_m, "m; hip to knee, knee to end point") +
+                          assignment("com_m", leg.com_m, "m; joint to centre of mass, along the link") +
+                          assignment("inertia_kg_m2", leg.inertia_kg_m2, "kg·m², about the centre of mass") +
+                          assignment("gravity_m_s2", leg.gravity_m_s2, gravity_comment);
+                 },
+                 [&](const RevoluteJointParameters& joint) {
+                   return kindLine(kRevolute) +
+                          assignment("inertia_kg_m2", joint.inertia_kg_m2, "kg·m², about the axis") +
+                          assignment("moment_kg_m", joint.moment_kg_m,
+                                     "kg·m; mass times distance of its centre from the axis") +
+                          assignment("length_m", joint.length_m, "m; axis to end point") +
+                          assignment("gravity_m_s2", joint.gravity_m_s2, gravity_comment);
+                 },
+                 [&](const PrismaticJointParameters& axis) {
+                   return kindLine(kPrismatic) + assignment("mass_kg", axis.mass_kg, "kg") +
+                          assignment("inclination_rad", axis.inclination_rad,
+                                     "rad; direction of motion above the horizontal") +
+                          assignment("gravity_m_s2", axis.gravity_m_s2, gravity_comment);
+                 }},
+             description);
+}
+
+std::string effectText(const EffectDescription& effect) {
+  const model::EffectDescriptor* descriptor = model::findEffect(effect.kind);
+  std::string text = "\n# " + std::string(descriptor->equation) + "\n[[effect]]\n" + kindLine(effect.kind) +
+                     assignment("joint", std::to_string(effect.joint + 1), "");
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    const model::EffectParameter& parameter = descriptor->parameters[i];
+    text += assignment(parameter.name, effect.parameters[i],
+                       std::string(parameter.meaning) + ", " + formatNumber(parameter.minimum) + " to " +
+                           formatNumber(parameter.maximum));
+  }
+  return text;
+}
+
+std::string commentLines(std::string_view text) {
+  std::string lines;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    lines += "# " + std::string(text.substr(0, end)) + "\n";
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+}  // namespace
+
+int ModelDescription::joints() const noexcept {
+  return std::holds_alternative<PlanarTwoLinkParameters>(mechanism) ? 2 : 1;
+}
+
+ModelDescription loadModel(const std::filesystem::path& path) {
+  return parseModel(readFile(path), path.string());
+}
+
+ModelDescription parseModel(std::string_view text, const std::string& name) {
+  const TomlDocument document = TomlDocument::parse(text, name);
+  ModelDescription description{.mechanism = readMechanism(document.root().table("mechanism")), .effects = {}};
+  for (const TomlTable& table : document.root().tables("effect")) {
+    description.effects.push_back(readEffect(table, description.joints()));
+  }
+  document.finish();
+  try {
+    makeModel(description);
+  } catch (const std::invalid_argument& error) {
+    throw FileError(name + ": " + error.what());
+  }
+  return description;
+}
+
+model::DynamicsModel makeModel(const ModelDescription& description) {
+  std::unique_ptr<model::Mechanism> mechanism = makeMechanism(description.mechanism);
+  std::vector<std::unique_ptr<model::Effect>> effects;
+  for (const EffectDescription& effect : description.effects) {
+    effects.push_back(model::makeEffect(effect.kind, effect.joint, *mechanism, effect.parameters));
+  }
+  return {std::move(mechanism), std::move(effects)};
+}
+
+ModelDescription describeModel(const model::DynamicsModel& dynamics) {
+  ModelDescription description;
+  const model::Mechanism* mechanism = &dynamics.mechanism();
+  if (const auto* leg = dynamic_cast<const model::PlanarTwoLink*>(mechanism)) {
+    description.mechanism = leg->parameters();
+  } else if (const auto* joint = dynamic_cast<const model::RevoluteJoint*>(mechanism)) {
+    description.mechanism = joint->parameters();
+  } else if (const auto* axis = dynamic_cast<const model::PrismaticJoint*>(mechanism)) {
+    description.mechanism = axis->parameters();
+  } else {
+    throw std::invalid_argument(
+        "this mechanism has no form in model files, expected one of 'planar_two_link', "
+        "'revolute', 'prismatic'");
+  }
+  for (const auto& effect : dynamics.effects()) {
+    const std::span<const double> values = effect->parameters();
+    description.effects.push_back({.kind = std::string(effect->descriptor().kind),
+                                   .joint = effect->joint(),
+                                   .parameters = {values.begin(), values.end()}});
+  }
+  return description;
+}
+
+std::string modelText(const ModelDescription& description, std::string_view heading) {
+  std::string text = commentLines(heading) + mechanismText(description.mechanism);
+  for (const EffectDescription& effect : description.effects) {
+    text += effectText(effect);
+  }
+  return text;
+}
+
+void saveModel(const ModelDescription& description, const std::filesystem::path& path,
+               std::string_view heading) {
+  makeModel(description);
+  writeFile(path, modelText(description, heading));
+}
+
+}  // namespace patella::app

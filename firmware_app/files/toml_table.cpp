@@ -1,0 +1,380 @@
+#include "firmware_app/files/toml_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/wording.hpp"
+
+namespace patella::app {
+
+struct TomlState {
+  toml::table root;
+  std::string file;
+  std::map<const void*, std::set<std::string, std::less<>>> asked;  // per table
+};
+
+namespace {
+
+const toml::table& tableOf(const void* node) {
+  return *static_cast<const toml::table*>(node);
+}
+
+std::uint32_t lineOf(const toml::node& node) {
+  return std::max(node.source().begin.line, 1U);
+}
+
+/// A value as the file shows it, shortened.
+std::string shown(const toml::node& node) {
+  if (node.is_table()) {
+    return "a table";
+  }
+  std::ostringstream text;
+  node.visit([&](const auto& value) { text << value; });
+  constexpr std::size_t kLongest = 60;
+  std::string result = text.str();
+  if (result.size() > kLongest) {
+    result = result.substr(0, kLongest) + "...";
+  }
+  return result;
+}
+
+std::string expectedNumber(const Range& range) {
+  const std::string bounds = range.text();
+  return bounds.empty() ? "a finite number" : "a number " + bounds;
+}
+
+std::string expectedCount(const CountRange& count) {
+  if (count.minimum == count.maximum) {
+    return "an array of " + std::to_string(count.minimum);
+  }
+  if (count.maximum == CountRange{}.maximum) {
+    return "an array of at least " + std::to_string(count.minimum);
+  }
+  return "an array of " + std::to_string(count.minimum) + " to " + std::to_string(count.maximum);
+}
+
+/// Finds a key for a getter: marks it as known and reports what is wrong with it.
+struct Lookup {
+  TomlState& state;
+  const TomlTable& table;
+  const void* table_node;
+  std::string key;
+  std::string expected;
+  const toml::node* node = nullptr;
+
+  Lookup(TomlState& in_state, const TomlTable& in_table, const void* in_node, std::string_view in_key,
+         std::string in_expected)
+      : state(in_state), table(in_table), table_node(in_node), key(in_key), expected(std::move(in_expected)) {
+    if (table_node != nullptr) {
+      state.asked[table_node].emplace(key);
+      node = tableOf(table_node).get(key);
+    }
+  }
+
+  const toml::node& require() const {
+    if (node == nullptr) {
+      std::vector<std::string> unread = table.keys();
+      std::erase_if(unread, [&](const std::string& name) { return state.asked[table_node].contains(name); });
+      const std::string like = nearestName(key, unread);
+      throw FileError(state.file + ":" + std::to_string(table.line()) + ": key '" + table.fullName(key) +
+                      "' is missing, expected " + expected +
+                      (like.empty() ? "" : "; there is '" + like + "' in its place"));
+    }
+    return *node;
+  }
+
+  [[noreturn]] void reject(const toml::node& culprit) const {
+    throw FileError(state.file + ":" + std::to_string(lineOf(culprit)) + ": key '" + table.fullName(key) +
+                    "': value " + shown(culprit) + ", expected " + expected);
+  }
+
+  double readNumber(const toml::node& value, const Range& range) const {
+    const auto number = value.is_number() ? value.value<double>() : std::nullopt;
+    if (!number || !range.contains(*number)) {
+      reject(value);
+    }
+    return *number;
+  }
+
+  const toml::array& readArray(const CountRange& count) const {
+    const toml::array* array = require().as_array();
+    if (array == nullptr) {
+      reject(*node);
+    }
+    if (array->size() < count.minimum || array->size() > count.maximum) {
+      throw FileError(state.file + ":" + std::to_string(lineOf(*node)) + ": key '" + table.fullName(key) +
+                      "': " + std::to_string(array->size()) + " elements, expected " + expected);
+    }
+    return *array;
+  }
+};
+
+void collectUnread(const TomlState& state, const toml::table& table, const std::string& prefix,
+                   std::vector<std::pair<std::uint32_t, std::string>>& unread) {
+  static const std::set<std::string, std::less<>> kNone;
+  const auto found = state.asked.find(&table);
+  const auto& asked = found == state.asked.end() ? kNone : found->second;
+  for (const auto& [key, node] : table) {
+    const std::string name(key.str());
+    if (!asked.contains(name)) {
+      const std::vector<std::string> known(asked.begin(), asked.end());
+      const std::uint32_t line = std::max(key.source().begin.line, 1U);
+      unread.emplace_back(line, state.file + ":" + std::to_string(line) + ": key '" + prefix + name +
+                                    "' is unknown" + suggestion(name, known));
+    } else if (const toml::table* sub = node.as_table()) {
+      collectUnread(state, *sub, prefix + name + ".", unread);
+    } else if (node.is_array_of_tables()) {
+      const toml::array& array = *node.as_array();
+      for (std::size_t i = 0; i < array.size(); ++i) {
+        collectUnread(state, *array[i].as_table(), prefix + name + "[" + std::to_string(i + 1) + "].",
+                      unread);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+bool Range::contains(double value) const noexcept {
+  return std::isfinite(value) && (minimum_open ? value > minimum : value >= minimum) &&
+         (maximum_open ? value < maximum : value <= maximum);
+}
+
+std::string Range::text() const {
+  if (std::isinf(minimum) && std::isinf(maximum)) {
+    return "";
+  }
+  if (std::isinf(maximum)) {
+    return (minimum_open ? "greater than " : "of at least ") + formatNumber(minimum);
+  }
+  if (std::isinf(minimum)) {
+    return (maximum_open ? "less than " : "of at most ") + formatNumber(maximum);
+  }
+  return std::string("in ") + (minimum_open ? "(" : "[") + formatNumber(minimum) + ", " +
+         formatNumber(maximum) + (maximum_open ? ")" : "]");
+}
+
+TomlTable::TomlTable(std::shared_ptr<TomlState> state, const void* node, std::string prefix,
+                     std::uint32_t line)
+    : state_(std::move(state)), node_(node), prefix_(std::move(prefix)), line_(line) {}
+
+bool TomlTable::has(std::string_view key) const {
+  return present() && tableOf(node_).contains(key);
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  if (!present()) {
+    return {};
+  }
+  std::vector<std::pair<toml::source_position, std::string>> located;
+  for (const auto& [key, node] : tableOf(node_)) {
+    located.emplace_back(key.source().begin, key.str());
+  }
+  std::sort(located.begin(), located.end());
+  std::vector<std::string> names;
+  for (auto& [position, name] : located) {
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+double TomlTable::number(std::string_view key, Range range) const {
+  const Lookup lookup(*state_, *this, node_, key, expectedNumber(range));
+  return lookup.readNumber(lookup.require(), range);
+}
+
+std::int64_t TomlTable::integer(std::string_view key, std::int64_t minimum, std::int64_t maximum) const {
+  const Lookup lookup(*state_, *this, node_, key,
+                      "an integer in [" + std::to_string(minimum) + ", " + std::to_string(maximum) + "]");
+  const toml::value<std::int64_t>* value = lookup.require().as_integer();
+  if (value == nullptr || value->get() < minimum || value->get() > maximum) {
+    lookup.reject(*lookup.node);
+  }
+  return value->get();
+}
+
+bool TomlTable::boolean(std::string_view key) const {
+  const Lookup lookup(*state_, *this, node_, key, "true or false");
+  const toml::value<bool>* value = lookup.require().as_boolean();
+  if (value == nullptr) {
+    lookup.reject(*lookup.node);
+  }
+  return value->get();
+}
+
+std::string TomlTable::string(std::string_view key) const {
+  const Lookup lookup(*state_, *this, node_, key, "a string that is not empty");
+  const toml::value<std::string>* value = lookup.require().as_string();
+  if (value == nullptr || value->get().empty()) {
+    lookup.reject(*lookup.node);
+  }
+  return value->get();
+}
+
+std::string TomlTable::choice(std::string_view key, std::span<const std::string> allowed) const {
+  const Lookup lookup(*state_, *this, node_, key, "one of " + quotedList(allowed));
+  const toml::value<std::string>* value = lookup.require().as_string();
+  if (value == nullptr || std::find(allowed.begin(), allowed.end(), value->get()) == allowed.end()) {
+    lookup.reject(*lookup.node);
+  }
+  return value->get();
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, CountRange count, Range range) const {
+  const std::string bounds = range.text();
+  const Lookup lookup(*state_, *this, node_, key,
+                      expectedCount(count) + " finite numbers" + (bounds.empty() ? "" : ", each " + bounds));
+  std::vector<double> values;
+  for (const toml::node& element : lookup.readArray(count)) {
+    values.push_back(lookup.readNumber(element, range));
+  }
+  return values;
+}
+
+std::vector<std::string> TomlTable::strings(std::string_view key, CountRange count) const {
+  const Lookup lookup(*state_, *this, node_, key, expectedCount(count) + " strings");
+  std::vector<std::string> values;
+  for (const toml::node& element : lookup.readArray(count)) {
+    const toml::value<std::string>* value = element.as_string();
+    if (value == nullptr || value->get().empty()) {
+      lookup.reject(element);
+    }
+    values.push_back(value->get());
+  }
+  return values;
+}
+
+std::filesystem::path TomlTable::path(std::string_view key) const {
+  return std::filesystem::path(state_->file).parent_path() / string(key);
+}
+
+template <typename Read, typename Value>
+Value TomlTable::valueOr(std::string_view key, const Value& fallback, Read&& read) const {
+  if (has(key)) {
+    return read();
+  }
+  if (present()) {
+    state_->asked[node_].emplace(key);
+  }
+  return fallback;
+}
+
+double TomlTable::number(std::string_view key, Range range, double fallback) const {
+  return valueOr(key, fallback, [&] { return number(key, range); });
+}
+
+std::int64_t TomlTable::integer(std::string_view key, std::int64_t minimum, std::int64_t maximum,
+                                std::int64_t fallback) const {
+  return valueOr(key, fallback, [&] { return integer(key, minimum, maximum); });
+}
+
+bool TomlTable::boolean(std::string_view key, bool fallback) const {
+  return valueOr(key, fallback, [&] { return boolean(key); });
+}
+
+std::string TomlTable::string(std::string_view key, std::string_view fallback) const {
+  return valueOr(key, std::string(fallback), [&] { return string(key); });
+}
+
+std::string TomlTable::choice(std::string_view key, std::span<const std::string> allowed,
+                              std::string_view fallback) const {
+  return valueOr(key, std::string(fallback), [&] { return choice(key, allowed); });
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, CountRange count, Range range,
+                                       std::span<const double> fallback) const {
+  return valueOr(key, std::vector<double>(fallback.begin(), fallback.end()),
+                 [&] { return numbers(key, count, range); });
+}
+
+std::vector<std::string> TomlTable::strings(std::string_view key, CountRange count,
+                                            std::span<const std::string> fallback) const {
+  return valueOr(key, std::vector<std::string>(fallback.begin(), fallback.end()),
+                 [&] { return strings(key, count); });
+}
+
+TomlTable TomlTable::table(std::string_view key) const {
+  const Lookup lookup(*state_, *this, node_, key, "a table");
+  const toml::table* sub = lookup.require().as_table();
+  if (sub == nullptr) {
+    lookup.reject(*lookup.node);
+  }
+  return {state_, sub, prefix_ + std::string(key) + ".", lineOf(*sub)};
+}
+
+TomlTable TomlTable::optionalTable(std::string_view key) const {
+  const TomlTable absent(state_, nullptr, prefix_ + std::string(key) + ".", line_);
+  return valueOr(key, absent, [&] { return table(key); });
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  const Lookup lookup(*state_, *this, node_, key, "an array of tables");
+  std::vector<TomlTable> result;
+  if (lookup.node == nullptr) {
+    return result;
+  }
+  const toml::array* array = lookup.node->as_array();
+  if (array == nullptr || (!array->empty() && !array->is_array_of_tables())) {
+    lookup.reject(*lookup.node);
+  }
+  for (const toml::node& element : *array) {
+    result.push_back({state_, element.as_table(),
+                      prefix_ + std::string(key) + "[" + std::to_string(result.size() + 1) + "].",
+                      lineOf(element)});
+  }
+  return result;
+}
+
+void TomlTable::finish() const {
+  if (!present()) {
+    return;
+  }
+  std::vector<std::pair<std::uint32_t, std::string>> unread;
+  collectUnread(*state_, tableOf(node_), prefix_, unread);
+  if (unread.empty()) {
+    return;
+  }
+  std::stable_sort(unread.begin(), unread.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::string text;
+  for (const auto& [line, message] : unread) {
+    text += (text.empty() ? "" : "\n") + message;
+  }
+  throw FileError(text);
+}
+
+FileError TomlTable::error(std::string_view key, std::string_view problem) const {
+  const toml::node* node = present() ? tableOf(node_).get(key) : nullptr;
+  return FileError(state_->file + ":" + std::to_string(node != nullptr ? lineOf(*node) : line_) + ": key '" +
+                   fullName(key) + "': " + std::string(problem));
+}
+
+std::string TomlTable::fullName(std::string_view key) const {
+  return prefix_ + std::string(key);
+}
+
+TomlDocument TomlDocument::load(const std::filesystem::path& path) {
+  return parse(readFile(path), path.string());
+}
+
+TomlDocument TomlDocument::parse(std::string_view text, const std::string& name) {
+  auto state = std::make_shared<TomlState>();
+  state->file = name;
+  try {
+    state->root = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    throw FileError(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": " +
+                    std::string(error.description()));
+  }
+  const toml::table* root = &state->root;
+  return TomlDocument(TomlTable(std::move(state), root, "", 1));
+}
+
+}  // namespace patella::app
