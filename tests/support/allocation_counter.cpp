@@ -1,21 +1,10 @@
 #include "tests/support/allocation_counter.hpp"
 
-#include <cstdlib>
-#include <new>
+#include <cstddef>
 
 namespace {
 thread_local std::uint64_t count = 0;
-
-void* counted(std::size_t size, std::size_t alignment) {
-  ++count;
-  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-  void* memory = std::aligned_alloc(alignment, rounded > 0 ? rounded : alignment);
-  if (memory == nullptr) {
-    throw std::bad_alloc();
-  }
-  return memory;
 }
-}  // namespace
 
 namespace patella::test {
 std::uint64_t allocationCount() noexcept {
@@ -23,21 +12,31 @@ std::uint64_t allocationCount() noexcept {
 }
 }  // namespace patella::test
 
-void* operator new(std::size_t size) {
-  return counted(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+#if !defined(PATELLA_SANITIZER_address) && !defined(PATELLA_SANITIZER_thread) && \
+    !defined(PATELLA_SANITIZER_realtime)
+// A program's own definitions take precedence over those of the C library, for the C++ runtime as well; glibc
+// keeps the originals under these names.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t number, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) noexcept {
+  ++count;
+  return __libc_malloc(size);
 }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<std::size_t>(alignment));
+void* calloc(std::size_t number, std::size_t size) noexcept {
+  ++count;
+  return __libc_calloc(number, size);
 }
-void operator delete(void* memory) noexcept {
-  std::free(memory);
+void* realloc(void* block, std::size_t size) noexcept {
+  ++count;
+  return __libc_realloc(block, size);
 }
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  ++count;
+  return __libc_memalign(alignment, size);
 }
-void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
 }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
+#endif

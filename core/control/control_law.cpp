@@ -1,0 +1,64 @@
+#include "core/control/control_law.hpp"
+
+#include <string>
+
+#include "core/check.hpp"
+
+namespace patella::control {
+namespace {
+
+constexpr double kMaxStiffness_Nm_rad = 10000.0;
+constexpr double kMaxDamping_Nms_rad = 1000.0;
+
+void validate(const std::string& key, const JointVector& values, int joints, double maximum) {
+  if (values.size() != joints) {
+    rejectValue("number of values of " + key, static_cast<double>(values.size()),
+                "one per joint (" + std::to_string(joints) + ")");
+  }
+  for (int j = 0; j < joints; ++j) {
+    requireRange(key + "[" + std::to_string(j + 1) + "]", values[j], 0.0, maximum);
+  }
+}
+
+}  // namespace
+
+ControlLaw::ControlLaw(int joints, const ControlGains& gains) : gains_(gains) {
+  requireRange("joints", joints, 1, kMaxJoints);
+  requireRange("control.gravity", gains.gravity, 0.0, 1.0);
+  requireRange("control.model", gains.model, 0.0, 1.0);
+  requireRange("control.emg", gains.emg, -5.0, 5.0);
+  requireRange("control.compensation", gains.compensation, 0.0, 1.0);
+  validate("control.stiffness_Nm_rad", gains.stiffness_Nm_rad, joints, kMaxStiffness_Nm_rad);
+  validate("control.damping_Nms_rad", gains.damping_Nms_rad, joints, kMaxDamping_Nms_rad);
+}
+
+ControlOutput ControlLaw::compute(const ControlInput& in) const noexcept PATELLA_NONBLOCKING {
+  const JointVector zero = JointVector::Zero(gains_.stiffness_Nm_rad.size());
+  ControlOutput out{zero, zero, zero, zero, zero, zero};
+  if (gains_.gravity != 0.0) {
+    out.gravity = gains_.gravity * in.gravity_Nm;
+  }
+  if (gains_.model != 0.0) {
+    out.model.noalias() = in.terms.inertia * in.reference.ddq;
+    out.model = gains_.model * (out.model + in.terms.bias_Nm - in.gravity_Nm);
+  }
+  if (gains_.emg != 0.0) {
+    out.emg = gains_.emg * in.emg_torque_Nm;
+  }
+  for (Eigen::Index j = 0; j < zero.size(); ++j) {
+    if (gains_.stiffness_Nm_rad[j] != 0.0) {
+      out.impedance[j] += gains_.stiffness_Nm_rad[j] * (in.reference.q[j] - in.q[j]);
+    }
+    if (gains_.damping_Nms_rad[j] != 0.0) {
+      out.impedance[j] += gains_.damping_Nms_rad[j] * (in.reference.dq[j] - in.dq[j]);
+    }
+  }
+  if (gains_.compensation != 0.0) {
+    out.compensation.noalias() = in.terms.inertia * in.f_hat;
+    out.compensation *= -gains_.compensation;
+  }
+  out.total = out.gravity + out.model + out.emg + out.impedance + out.compensation;
+  return out;
+}
+
+}  // namespace patella::control
