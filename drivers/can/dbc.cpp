@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 #include <utility>
 
 #include "drivers/can/dbc_check.hpp"
@@ -536,8 +536,13 @@ Database parseDbc(std::string_view text, std::string_view file_name) {
 
 Database loadDbc(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  // A folder opens but does not read, so ask after reading.
+  std::string text;
+  try {
+    // A folder opens, but reading it throws.
+    text.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  } catch (const std::ios_base::failure&) {
+    stream.setstate(std::ios::failbit);
+  }
   if (!stream)
     throw DbcError(file.string() + ": cannot be read");
   return parseDbc(text, file.string());
