@@ -1,0 +1,120 @@
+// One tick of mathematics: measurement in, command out. No device, no clock, no heap: the narrow interface
+// through which the loop, the tests and the replay drive everything in core.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/control/control_law.hpp"
+#include "core/control/reference_trajectory.hpp"
+#include "core/emg/emg_chain.hpp"
+#include "core/emg/emg_torque_map.hpp"
+#include "core/estimation/observer.hpp"
+#include "core/estimation/velocity_estimator.hpp"
+#include "core/measurement.hpp"
+#include "core/model/dynamics_model.hpp"
+#include "core/network/attention_lstm.hpp"
+#include "core/safety/safety_limiter.hpp"
+#include "core/safety/state_machine.hpp"
+#include "core/signal/biquad.hpp"
+#include "core/tick/features.hpp"
+
+namespace patella::tick {
+
+/// Whose f̂_u the compensation term uses.
+enum class CompensationSource { kNone, kSampler, kNetwork };
+
+struct TickSettings {
+  double encoder_period_s = 1e-3;    ///< between two encoder samples; the estimators' unit of time
+  double period_s = 1e-3;            ///< between two ticks
+  double velocity_cutoff_Hz = 60.0;  ///< of the velocity derived from position, where the encoder gives none
+  double estimate_cutoff_Hz = 25.0;  ///< low-pass on f_s before compensation
+  CompensationSource compensation = CompensationSource::kSampler;
+  emg::EmgSettings emg;
+  emg::EmgGains emg_gain_Nm{};
+  control::ControlGains gains;
+  control::ReferenceSettings reference;
+  safety::SafetyLimits limits;
+  int healthy_ticks = 50;  ///< in a row, before the loop is ready
+};
+
+struct TickInput {
+  Measurement measurement;
+  safety::FaultSet faults;  ///< found by drivers and loop in this tick
+  bool complete = false;    ///< every bound input has been seen at least once
+  double time_s = 0.0;      ///< scheduled instant since the start of the loop
+};
+
+/// Vectors have the mechanism's number of joints.
+struct TickOutput {
+  Command command;
+  safety::State state = safety::State::kInit;
+  safety::FaultSet faults;                            ///< of this tick, those found in core included
+  safety::FaultSet latched;                           ///< that keep the loop stopped
+  safety::Fault first_cause = safety::Fault::kCount;  ///< that stopped it; kCount for none
+  std::array<safety::LimitSet, kMaxJoints> limits{};  ///< what the limiter held back in this tick
+  bool entered_active = false;
+  bool entered_stop = false;
+  bool estimated = false;    ///< f_s is of a new encoder sample of this tick
+  bool has_network = false;  ///< f_network is of this tick
+  JointVector velocity_rad_s;
+  JointVector f_s;           ///< finite-time sampler, rad/s²
+  JointVector f_s_filtered;  ///< low-passed
+  JointVector f_network;     ///< attention-LSTM, rad/s²
+  JointVector d_hat_Nm;      ///< I f_s_filtered: what the model does not explain, as torque
+  EmgArray activation{};
+  control::ReferencePoint reference;
+  control::ControlOutput control;
+};
+
+class Tick {
+ public:
+  /// Takes ownership. `network` may be null. Throws std::invalid_argument naming the setting, its value and
+  /// what was expected, also when the network asks for a feature that the loop does not have, or gives
+  /// another number of joints.
+  Tick(const TickSettings& settings, model::DynamicsModel model,
+       std::unique_ptr<estimation::Observer> observer, std::unique_ptr<network::AttentionLstm> network,
+       const std::vector<std::string>& network_features, network::OutputKind network_output);
+
+  /// The result stays valid until the next call.
+  const TickOutput& step(const TickInput& input) noexcept PATELLA_NONBLOCKING;
+
+  /// What the next step can have ready before its measurement arrives; to be called once the command is sent.
+  void prepareNext() noexcept PATELLA_NONBLOCKING;
+
+  int joints() const noexcept { return model_.joints(); }
+
+ private:
+  void estimate(const TickInput& input) noexcept;
+  void estimateNetwork(const TickInput& input) noexcept;
+  void demand(const TickInput& input) noexcept;
+  void decide(const TickInput& input) noexcept;
+  void seed() noexcept;
+
+  TickSettings settings_;
+  model::DynamicsModel model_;
+  std::unique_ptr<estimation::Observer> observer_;
+  std::unique_ptr<network::AttentionLstm> network_;
+  FeatureSelection features_;
+  network::OutputKind network_output_;
+  estimation::VelocityEstimator velocity_;
+  std::vector<signal::BiquadCascade> estimate_filter_;
+  emg::EmgChain emg_;
+  emg::EmgTorqueMap emg_torque_;
+  control::ControlLaw control_;
+  control::ReferenceTrajectory reference_;
+  safety::SafetyLimiter limiter_;
+  safety::StateMachine states_;
+
+  TickOutput output_;
+  model::EffectInput effect_input_;
+  model::ModelTerms terms_;
+  FeatureVector feature_values_{};
+  std::vector<double> network_input_;
+  JointVector last_command_Nm_;
+  double active_since_s_ = 0.0;
+  bool seeded_ = false;  ///< estimators have seen a first sample
+};
+
+}  // namespace patella::tick
