@@ -1,7 +1,9 @@
 // The causes for which the loop stops torque, as numbers that logs, summaries and tests share.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <initializer_list>
 #include <string_view>
 
 namespace patella::safety {
@@ -35,12 +37,23 @@ class FaultSet {
  public:
   constexpr FaultSet() noexcept = default;
   constexpr explicit FaultSet(std::uint32_t bits) noexcept : bits_(bits) {}
+  constexpr FaultSet(std::initializer_list<Fault> faults) noexcept {
+    for (const Fault fault : faults) {
+      add(fault);
+    }
+  }
 
   constexpr void add(Fault fault) noexcept { bits_ |= mask(fault); }
   constexpr bool has(Fault fault) const noexcept { return (bits_ & mask(fault)) != 0; }
   constexpr bool any() const noexcept { return bits_ != 0; }
   constexpr std::uint32_t bits() const noexcept { return bits_; }
+  /// Fault of the lowest number; Fault::kCount when there is none.
+  constexpr Fault first() const noexcept {
+    return any() ? static_cast<Fault>(std::countr_zero(bits_)) : Fault::kCount;
+  }
   constexpr FaultSet operator|(FaultSet other) const noexcept { return FaultSet(bits_ | other.bits_); }
+  constexpr FaultSet operator&(FaultSet other) const noexcept { return FaultSet(bits_ & other.bits_); }
+  constexpr FaultSet without(FaultSet other) const noexcept { return FaultSet(bits_ & ~other.bits_); }
   constexpr bool operator==(const FaultSet&) const noexcept = default;
 
  private:
