@@ -1,0 +1,380 @@
+#include "drivers/can/measurement_decoder.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace patella::can {
+namespace {
+
+constexpr double kNanosecondsPerSecond = 1e9;
+
+std::int64_t toNanoseconds(const char* key, double seconds) {
+  if (!(seconds > 0.0) || seconds > 1e6) {
+    throw std::invalid_argument(std::string(key) + " is " + std::to_string(seconds) +
+                                ", expected more than 0 and at most 1e6");
+  }
+  return static_cast<std::int64_t>(std::llround(seconds * kNanosecondsPerSecond));
+}
+
+std::int64_t roundedRatio(std::int64_t span_ns, std::int64_t period_ns) noexcept {
+  return (span_ns + period_ns / 2) / period_ns;
+}
+
+/// Periods between two frames. Wall stamps are taken by the kernel as frames arrive and so are free of the
+/// loop's jitter, but the wall clock may be set: where the two clocks disagree by more than a stall, it is
+/// not believed.
+std::int64_t elapsedPeriods(std::int64_t wall_ns, std::int64_t monotonic_ns,
+                            std::int64_t period_ns) noexcept {
+  constexpr std::int64_t kClockWasSet_ns = 1'000'000'000;
+  const std::int64_t apart = wall_ns > monotonic_ns ? wall_ns - monotonic_ns : monotonic_ns - wall_ns;
+  return roundedRatio(std::max<std::int64_t>(apart > kClockWasSet_ns ? monotonic_ns : wall_ns, 0), period_ns);
+}
+
+}  // namespace
+
+struct MeasurementDecoder::InputName {
+  std::string_view name;
+  Group group;
+  bool indexed;
+};
+
+const std::array<MeasurementDecoder::InputName, MeasurementDecoder::kInputCount>
+    MeasurementDecoder::kInputNames = {{{"position_rad", kEncoder, true},
+                                        {"velocity_rad_s", kEncoder, true},
+                                        {"drive_torque_Nm", kDrive, true},
+                                        {"emg_mV", kEmgGroup, true},
+                                        {"true_f_u", kNoTimeout, true},
+                                        {"drive_enabled", kDrive, false},
+                                        {"drive_fault", kDrive, false},
+                                        {"operator_enable", kOperator, false},
+                                        {"operator_reset", kOperator, false}}};
+
+MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& map, int joints)
+    : joints_(joints),
+      position_min_rad_(map.position_min_rad),
+      position_max_rad_(map.position_max_rad),
+      position_jump_rad_(map.position_jump_rad),
+      tolerated_(map.tolerated_bad_frames) {
+  if (joints < 1 || joints > kMaxJoints) {
+    throw std::invalid_argument("number of joints is " + std::to_string(joints) + ", expected 1 to " +
+                                std::to_string(kMaxJoints));
+  }
+  timeouts_ns_ = {toNanoseconds("encoder_timeout_s", map.encoder_timeout_s),
+                  toNanoseconds("drive_timeout_s", map.drive_timeout_s),
+                  toNanoseconds("emg_timeout_s", map.emg_timeout_s),
+                  toNanoseconds("operator_timeout_s", map.operator_timeout_s),
+                  std::numeric_limits<std::int64_t>::max()};
+  toNanoseconds("encoder_period_s", map.encoder_period_s);
+  toNanoseconds("emg_period_s", map.emg_period_s);
+  if (!(position_min_rad_ < position_max_rad_) || !(position_jump_rad_ > 0.0) || tolerated_ < 0) {
+    throw std::invalid_argument(
+        "plausibility: expected position_min_rad < position_max_rad, position_jump_rad > 0 and "
+        "tolerated_bad_frames >= 0");
+  }
+  for (const Protection& protection : map.protections) {
+    CompiledMessage(database.message(protection.message), protection);
+  }
+  for (const Binding& binding : map.bindings)
+    bind(database, map, binding);
+
+  for (int joint = 0; joint < joints_; ++joint) {
+    if (!isBound(Input::kPosition, static_cast<std::size_t>(joint))) {
+      throw std::invalid_argument("no signal is bound to input 'position_rad." + std::to_string(joint + 1) +
+                                  "'");
+    }
+  }
+  requireAllOrNone(Input::kVelocity);
+  requireAllOrNone(Input::kDriveTorque);
+  requireAllOrNone(Input::kTruth);
+  for (JointVector* vector : {&measurement_.position_rad, &measurement_.velocity_rad_s,
+                              &measurement_.drive_torque_Nm, &measurement_.true_f_u}) {
+    vector->setZero(joints_);
+  }
+  measurement_.has_velocity = isBound(Input::kVelocity);
+  measurement_.has_drive_torque = isBound(Input::kDriveTorque);
+}
+
+MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Database& database,
+                                                                   const BusMap& map,
+                                                                   const std::string& name) {
+  const auto bound = std::find_if(messages_.begin(), messages_.end(), [&](const BoundMessage& candidate) {
+    return candidate.decoder.layout().name() == name;
+  });
+  if (bound != messages_.end())
+    return *bound;
+  const auto protection =
+      std::find_if(map.protections.begin(), map.protections.end(),
+                   [&](const Protection& candidate) { return candidate.message == name; });
+  return messages_.emplace_back(MessageDecoder(
+      database.message(name), protection == map.protections.end() ? Protection{} : *protection));
+}
+
+void MeasurementDecoder::bind(const Database& database, const BusMap& map, const Binding& binding) {
+  const std::string quoted = "input '" + binding.input + "'";
+  const std::size_t dot = binding.input.find('.');
+  const std::string_view name = std::string_view(binding.input).substr(0, dot);
+  const auto known = std::find_if(kInputNames.begin(), kInputNames.end(),
+                                  [&](const InputName& candidate) { return candidate.name == name; });
+  if (known == kInputNames.end()) {
+    std::string names;
+    for (const InputName& candidate : kInputNames) {
+      names += std::string(names.empty() ? "" : ", ") + std::string(candidate.name) +
+               (candidate.indexed ? ".<number>" : "");
+    }
+    throw std::invalid_argument(quoted + " is unknown; there are: " + names);
+  }
+  const auto input = static_cast<Input>(known - kInputNames.begin());
+  int number = 1;
+  if (known->indexed) {
+    const int largest = input == Input::kEmg ? kMaxEmgChannels : joints_;
+    const char* const first = binding.input.data() + std::min(dot, binding.input.size() - 1) + 1;
+    const char* const last = binding.input.data() + binding.input.size();
+    const auto [end, error] = std::from_chars(first, last, number);
+    if (error != std::errc() || end != last || number < 1 || number > largest) {
+      throw std::invalid_argument(quoted + " needs a number from 1 to " + std::to_string(largest) +
+                                  " after the dot");
+    }
+  } else if (dot != std::string::npos) {
+    throw std::invalid_argument(quoted + " takes no number");
+  }
+  if (!std::isfinite(binding.scale) || binding.scale == 0.0 || !std::isfinite(binding.offset)) {
+    throw std::invalid_argument(quoted + ": expected a finite scale other than 0 and a finite offset");
+  }
+  const auto index = static_cast<std::size_t>(number - 1);
+  bool& bound = bound_[static_cast<std::size_t>(input)][index];
+  if (bound)
+    throw std::invalid_argument(quoted + " is bound twice");
+  bound = true;
+
+  try {
+    BoundMessage& message = boundMessage(database, map, binding.message);
+    message.inputs.push_back({input, static_cast<std::uint8_t>(index), message.decoder.slot(binding.signal),
+                              binding.scale, binding.offset});
+    message.groups[known->group] = true;
+    message.timeout_ns = std::min(message.timeout_ns, timeouts_ns_[known->group]);
+    const bool emg_only = input == Input::kEmg && message.period_ns == 0;
+    if (emg_only || input == Input::kPosition) {
+      message.period_ns = toNanoseconds("period", emg_only ? map.emg_period_s : map.encoder_period_s);
+    }
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(quoted + ": " + error.what());
+  }
+  if (input == Input::kPosition)
+    encoder_samples_.bind(index);
+  if (input == Input::kEmg)
+    emg_samples_.bind(index);
+}
+
+void MeasurementDecoder::requireAllOrNone(Input input) const {
+  const auto& bound = bound_[static_cast<std::size_t>(input)];
+  const auto count = std::count(bound.begin(), bound.begin() + joints_, true);
+  if (count != 0 && count != joints_) {
+    throw std::invalid_argument("input '" + std::string(kInputNames[static_cast<std::size_t>(input)].name) +
+                                "' is bound for some joints and not for others; expected all or none");
+  }
+}
+
+bool MeasurementDecoder::isBound(Input input, std::size_t index) const noexcept {
+  return bound_[static_cast<std::size_t>(input)][index];
+}
+
+void MeasurementDecoder::accept(const Frame& frame) noexcept {
+  if (frame.own || frame.error || frame.remote)
+    return;
+  const auto found = std::find_if(messages_.begin(), messages_.end(), [&](const BoundMessage& candidate) {
+    return candidate.decoder.matches(frame);
+  });
+  if (found == messages_.end()) {
+    ++unknown_frames_;
+    return;
+  }
+  BoundMessage& message = *found;
+  ++message.statistics.received;
+  if (!followSequence(message, frame))
+    return;
+  Values values;
+  if (!readValues(message, frame, values)) {
+    ++message.statistics.out_of_range;
+    ++message.implausible_run;
+    return;
+  }
+  message.implausible_run = 0;
+  store(message, frame, values);
+}
+
+bool MeasurementDecoder::followSequence(BoundMessage& message, const Frame& frame) noexcept {
+  const FrameCheck check = message.decoder.check(frame);
+  if (check.status == FrameStatus::kCorrupt || check.status == FrameStatus::kTooShort) {
+    ++message.statistics.corrupt;
+    ++message.corrupt_run;
+    return false;
+  }
+  message.corrupt_run = 0;
+  const bool in_order = check.sequence == Sequence::kFirst || check.sequence == Sequence::kNew;
+  message.sequence_run = in_order ? 0 : message.sequence_run + 1;
+  if (check.status == FrameStatus::kRepeated) {
+    ++message.statistics.repeated;
+    return false;
+  }
+  std::int64_t steps = check.steps;
+  if (message.started && message.period_ns > 0) {
+    const std::int64_t elapsed =
+        elapsedPeriods(frame.wall_ns - message.last_wall_ns, frame.monotonic_ns - message.last_monotonic_ns,
+                       message.period_ns);
+    if (!message.decoder.hasCounter()) {
+      steps = std::max<std::int64_t>(elapsed, 1);
+    } else {
+      // Whole turns of the counter during a long silence show only on the clock.
+      const std::int64_t modulus = message.decoder.counterModulus();
+      if (elapsed > steps)
+        steps += roundedRatio(elapsed - steps, modulus) * modulus;
+    }
+  }
+  if (message.decoder.hasCounter())
+    message.statistics.lost += static_cast<std::uint64_t>(steps - 1);
+  message.sample += steps;
+  message.started = true;
+  message.last_wall_ns = frame.wall_ns;
+  message.last_monotonic_ns = frame.monotonic_ns;
+  return true;
+}
+
+bool MeasurementDecoder::readValues(const BoundMessage& message, const Frame& frame,
+                                    Values& values) const noexcept {
+  for (std::size_t i = 0; i < message.inputs.size(); ++i) {
+    const BoundInput& input = message.inputs[i];
+    const CompiledSignal& signal = message.decoder.signal(input.slot);
+    const double physical = signal.decode(frame);
+    values[i] = physical * input.scale + input.offset;
+    if (signal.presence(frame) == Presence::kNotSelected)
+      continue;
+    if (!signal.inRange(physical))
+      return false;
+    if (input.input == Input::kPosition && !plausiblePosition(message, frame, input.index, values[i]))
+      return false;
+  }
+  return true;
+}
+
+bool MeasurementDecoder::plausiblePosition(const BoundMessage& message, const Frame& frame, std::size_t joint,
+                                           double position_rad) const noexcept {
+  if (position_rad < position_min_rad_ || position_rad > position_max_rad_)
+    return false;
+  const bool has_reference = seen_[static_cast<std::size_t>(Input::kPosition)][joint] &&
+                             frame.monotonic_ns - message.used_monotonic_ns <= message.timeout_ns;
+  if (!has_reference)
+    return true;
+  const auto steps = static_cast<double>(message.sample - position_sample_[joint]);
+  const double jump = position_rad - measurement_.position_rad[static_cast<Eigen::Index>(joint)];
+  return std::abs(jump) <= position_jump_rad_ * std::max(steps, 1.0);
+}
+
+void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const Values& values) noexcept {
+  ++message.statistics.used;
+  if (message.used && frame.monotonic_ns - message.used_monotonic_ns > message.timeout_ns) {
+    ++message.statistics.late;
+  }
+  message.used = true;
+  message.used_monotonic_ns = frame.monotonic_ns;
+  for (std::size_t i = 0; i < message.inputs.size(); ++i) {
+    const BoundInput& input = message.inputs[i];
+    if (message.decoder.signal(input.slot).presence(frame) == Presence::kNotSelected)
+      continue;
+    seen_[static_cast<std::size_t>(input.input)][input.index] = true;
+    storeInput(message, input, values[i]);
+    if (input.input == Input::kPosition) {
+      measurement_.encoder_monotonic_ns = frame.monotonic_ns;
+      measurement_.encoder_wall_ns = frame.wall_ns;
+    }
+  }
+}
+
+void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInput& input,
+                                    double value) noexcept {
+  const Eigen::Index index = input.index;
+  switch (input.input) {
+    case Input::kPosition:
+      measurement_.position_rad[index] = value;
+      position_sample_[input.index] = message.sample;
+      encoder_samples_.add(input.index, message.sample);
+      break;
+    case Input::kVelocity:
+      measurement_.velocity_rad_s[index] = value;
+      break;
+    case Input::kDriveTorque:
+      measurement_.drive_torque_Nm[index] = value;
+      break;
+    case Input::kEmg:
+      measurement_.emg_mV[input.index] = value;
+      emg_samples_.add(input.index, message.sample);
+      break;
+    case Input::kTruth:
+      measurement_.true_f_u[index] = value;
+      measurement_.has_truth = true;
+      break;
+    case Input::kDriveEnabled:
+      measurement_.drive_enabled = value > 0.5;
+      break;
+    case Input::kDriveFault:
+      drive_fault_ = value != 0.0;
+      break;
+    case Input::kOperatorEnable:
+      measurement_.operator_enable = value > 0.5;
+      break;
+    case Input::kOperatorReset:
+      measurement_.operator_reset = value > 0.5;
+      break;
+    case Input::kCount:
+      break;
+  }
+}
+
+bool MeasurementDecoder::stale(Group group, std::int64_t now_ns) const noexcept {
+  return std::any_of(messages_.begin(), messages_.end(), [&](const BoundMessage& message) {
+    return message.groups[group] && message.used && now_ns - message.used_monotonic_ns > timeouts_ns_[group];
+  });
+}
+
+Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
+  measurement_.encoder_steps = encoder_samples_.take();
+  measurement_.emg_steps = emg_samples_.take();
+  Reading reading;
+  if (stale(kEncoder, now_ns))
+    reading.faults.add(safety::Fault::kEncoderStale);
+  if (stale(kDrive, now_ns))
+    reading.faults.add(safety::Fault::kDriveStale);
+  if (stale(kEmgGroup, now_ns))
+    reading.faults.add(safety::Fault::kEmgStale);
+  if (stale(kOperator, now_ns)) {
+    measurement_.operator_enable = false;
+    measurement_.operator_reset = false;
+  }
+  if (drive_fault_)
+    reading.faults.add(safety::Fault::kDriveFault);
+  for (const BoundMessage& message : messages_) {
+    if (message.corrupt_run > tolerated_)
+      reading.faults.add(safety::Fault::kFrameCorrupt);
+    if (message.sequence_run > tolerated_)
+      reading.faults.add(safety::Fault::kFrameSequence);
+    if (message.groups[kEncoder] && message.implausible_run > tolerated_) {
+      reading.faults.add(safety::Fault::kEncoderImplausible);
+    }
+  }
+  reading.complete = true;
+  for (std::size_t input = 0; input < kInputCount; ++input) {
+    if (input == static_cast<std::size_t>(Input::kTruth))
+      continue;
+    for (std::size_t i = 0; i < kMaxIndex; ++i) {
+      if (bound_[input][i] && !seen_[input][i])
+        reading.complete = false;
+    }
+  }
+  reading.measurement = measurement_;
+  return reading;
+}
+
+}  // namespace patella::can

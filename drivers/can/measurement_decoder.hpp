@@ -1,0 +1,148 @@
+// From frames on the bus to the measurement of a tick.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/measurement.hpp"
+#include "core/safety/fault.hpp"
+#include "core/types.hpp"
+#include "drivers/can/bus_map.hpp"
+#include "drivers/can/can_frame.hpp"
+#include "drivers/can/dbc.hpp"
+#include "drivers/can/message_codec.hpp"
+#include "drivers/can/sample_set.hpp"
+
+namespace patella::can {
+
+/// Plain numbers since construction, one set per bound message.
+struct MessageStatistics {
+  std::uint64_t received = 0;
+  std::uint64_t used = 0;
+  std::uint64_t corrupt = 0;       ///< CRC, or too short
+  std::uint64_t repeated = 0;      ///< by the counter
+  std::uint64_t lost = 0;          ///< gaps in the counter
+  std::uint64_t out_of_range = 0;  ///< a bound signal out of its declared range, or an implausible position
+  std::uint64_t late = 0;          ///< used, but came after its group's timeout
+};
+
+struct Reading {
+  Measurement measurement;
+  safety::FaultSet faults;
+  bool complete = false;  ///< every bound input but the truth has been seen
+};
+
+/// Inputs that can be bound: position_rad.J (required for each joint), velocity_rad_s.J and drive_torque_Nm.J
+/// (each for all joints or none), drive_enabled, drive_fault (not 0 is a fault), emg_mV.N, operator_enable,
+/// operator_reset, true_f_u.J.
+///
+/// A frame that fails by CRC, repeats its counter or holds a value out of range changes no input.
+class MeasurementDecoder {
+ public:
+  /// Throws std::invalid_argument naming input, message or signal, and what exists.
+  MeasurementDecoder(const Database& database, const BusMap& map, int joints);
+
+  /// Takes one frame, in order of arrival. Own echoes, error reports and remote requests are passed over.
+  void accept(const Frame& frame) noexcept PATELLA_NONBLOCKING;
+
+  /// Ends the tick's intake. Faults are levels: they are there as long as their cause is. Groups count as
+  /// stale only once they have been seen; before that the reading is not complete.
+  Reading finish(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
+
+  /// Bound messages in the order of their first binding.
+  std::size_t messageCount() const noexcept { return messages_.size(); }
+  std::string_view messageName(std::size_t message) const noexcept {
+    return messages_[message].decoder.layout().name();
+  }
+  const MessageStatistics& statistics(std::size_t message) const noexcept {
+    return messages_[message].statistics;
+  }
+  /// Frames of identifiers that no input is bound to.
+  std::uint64_t unknownFrames() const noexcept { return unknown_frames_; }
+
+ private:
+  enum class Input : std::uint8_t {
+    kPosition,
+    kVelocity,
+    kDriveTorque,
+    kEmg,
+    kTruth,
+    kDriveEnabled,
+    kDriveFault,
+    kOperatorEnable,
+    kOperatorReset,
+    kCount
+  };
+  enum Group : std::uint8_t { kEncoder, kDrive, kEmgGroup, kOperator, kNoTimeout, kGroupCount };
+  static constexpr std::size_t kInputCount = static_cast<std::size_t>(Input::kCount);
+  static constexpr std::size_t kMaxIndex = kMaxEmgChannels > kMaxJoints ? kMaxEmgChannels : kMaxJoints;
+  static constexpr std::size_t kMaxInputs = kInputCount * kMaxIndex;
+
+  struct InputName;
+  static const std::array<InputName, kInputCount> kInputNames;
+
+  struct BoundInput {
+    Input input = Input::kPosition;
+    std::uint8_t index = 0;
+    std::size_t slot = 0;
+    double scale = 1.0;
+    double offset = 0.0;
+  };
+
+  struct BoundMessage {
+    explicit BoundMessage(MessageDecoder message_decoder) : decoder(std::move(message_decoder)) {}
+    MessageDecoder decoder;
+    std::vector<BoundInput> inputs;
+    std::array<bool, kGroupCount> groups{};
+    std::int64_t timeout_ns = std::numeric_limits<std::int64_t>::max();  ///< shortest of its groups
+    std::int64_t period_ns = 0;
+    std::int64_t sample = 0;  ///< running number of its newest frame
+    std::int64_t last_monotonic_ns = 0;
+    std::int64_t last_wall_ns = 0;
+    std::int64_t used_monotonic_ns = 0;
+    bool started = false;  ///< a frame with a valid CRC has come
+    bool used = false;     ///< a frame has been used
+    int corrupt_run = 0;
+    int sequence_run = 0;
+    int implausible_run = 0;
+    MessageStatistics statistics;
+  };
+
+  using Values = std::array<double, kMaxInputs>;
+
+  BoundMessage& boundMessage(const Database& database, const BusMap& map, const std::string& name);
+  void bind(const Database& database, const BusMap& map, const Binding& binding);
+  void requireAllOrNone(Input input) const;
+  bool isBound(Input input, std::size_t index) const noexcept;
+  bool isBound(Input input) const noexcept { return isBound(input, 0); }
+  bool followSequence(BoundMessage& message, const Frame& frame) noexcept;
+  bool readValues(const BoundMessage& message, const Frame& frame, Values& values) const noexcept;
+  bool plausiblePosition(const BoundMessage& message, const Frame& frame, std::size_t joint,
+                         double position_rad) const noexcept;
+  void store(BoundMessage& message, const Frame& frame, const Values& values) noexcept;
+  void storeInput(const BoundMessage& message, const BoundInput& input, double value) noexcept;
+  bool stale(Group group, std::int64_t now_ns) const noexcept;
+
+  int joints_;
+  std::array<std::int64_t, kGroupCount> timeouts_ns_{};
+  double position_min_rad_;
+  double position_max_rad_;
+  double position_jump_rad_;
+  int tolerated_;
+  std::vector<BoundMessage> messages_;
+  std::array<std::array<bool, kMaxIndex>, kInputCount> bound_{};
+  std::array<std::array<bool, kMaxIndex>, kInputCount> seen_{};
+  std::array<std::int64_t, kMaxJoints> position_sample_{};
+  SampleSet<kMaxJoints> encoder_samples_;
+  SampleSet<kMaxEmgChannels> emg_samples_;
+  Measurement measurement_;
+  bool drive_fault_ = false;
+  std::uint64_t unknown_frames_ = 0;
+};
+
+}  // namespace patella::can
