@@ -1,0 +1,100 @@
+#include "core/network/network_weights.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <type_traits>
+
+#include "core/types.hpp"
+
+namespace patella::network {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::invalid_argument(what);
+}
+
+void checkRange(const std::string& name, Eigen::Index value, Eigen::Index maximum) {
+  if (value < 1 || value > maximum)
+    fail(name + ": " + std::to_string(value) + ", expected 1 to " + std::to_string(maximum));
+}
+
+template <typename Tensor>
+std::string shapeText(const Tensor& tensor) {
+  if constexpr (Tensor::ColsAtCompileTime == 1)
+    return "[" + std::to_string(tensor.size()) + "]";
+  else
+    return "[" + std::to_string(tensor.rows()) + "," + std::to_string(tensor.cols()) + "]";
+}
+
+template <typename Tensor>
+std::string shapeText(Eigen::Index rows, Eigen::Index cols) {
+  return Tensor::ColsAtCompileTime == 1 ? "[" + std::to_string(rows) + "]"
+                                        : "[" + std::to_string(rows) + "," + std::to_string(cols) + "]";
+}
+
+void checkNumbers(const std::string& name, const Eigen::VectorXd& values, Eigen::Index size) {
+  if (values.size() != size)
+    fail(name + ": " + std::to_string(values.size()) + " values, expected " + std::to_string(size));
+  if (!values.allFinite())
+    fail(name + ": not finite");
+}
+
+void checkScale(const std::string& name, const Eigen::VectorXd& values, Eigen::Index size) {
+  checkNumbers(name, values, size);
+  // A subnormal scale has no finite inverse.
+  if ((values.array() < 1e-30).any())
+    fail(name + ": " + std::to_string(values.minCoeff()) + ", expected a positive number");
+}
+
+void checkNames(const std::vector<std::string>& names) {
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (name->empty() || name->find(',') != std::string::npos)
+      fail("features: '" + *name + "' is not a name");
+    if (std::find(names.begin(), name, *name) != name)
+      fail("features: '" + *name + "' appears twice");
+  }
+}
+
+}  // namespace
+
+NetworkShape shapeOf(const NetworkWeights& weights) noexcept {
+  return {.inputs = static_cast<Eigen::Index>(weights.features.size()),
+          .hidden = weights.lstm.empty() ? 0 : weights.lstm.front().weight_hh.cols(),
+          .layers = static_cast<Eigen::Index>(weights.lstm.size()),
+          .channels = weights.fc_weight.rows(),
+          .outputs = weights.output_weight.rows()};
+}
+
+void checkWeights(const NetworkWeights& weights) {
+  const NetworkShape shape = shapeOf(weights);
+  checkRange("lstm layers", shape.layers, kMaxLstmLayers);
+  checkRange("features", shape.inputs, kMaxWidth);
+  checkRange("lstm hidden units", shape.hidden, kMaxWidth);
+  checkRange("attention channels", shape.channels, kMaxWidth);
+  checkRange("outputs", shape.outputs, kMaxJoints);
+  checkRange("window", weights.window, kMaxWindow);
+  checkRange("heads", weights.heads, shape.channels);
+  if (shape.channels % weights.heads != 0)
+    fail("heads: " + std::to_string(weights.heads) + ", expected a divisor of the " +
+         std::to_string(shape.channels) + " channels");
+  if (!(weights.rate_Hz > 0.0) || !std::isfinite(weights.rate_Hz))
+    fail("rate_Hz: " + std::to_string(weights.rate_Hz) + ", expected a positive number");
+  checkNames(weights.features);
+  checkNumbers("feature_mean", weights.feature_mean, shape.inputs);
+  checkScale("feature_scale", weights.feature_scale, shape.inputs);
+  checkNumbers("output_mean", weights.output_mean, shape.outputs);
+  checkScale("output_scale", weights.output_scale, shape.outputs);
+  visitTensors(weights, shape,
+               [](const std::string& name, const auto& tensor, Eigen::Index rows, Eigen::Index cols) {
+                 using Tensor = std::decay_t<decltype(tensor)>;
+                 if (tensor.rows() != rows || tensor.cols() != cols)
+                   fail("tensor '" + name + "': shape " + shapeText(tensor) + ", expected " +
+                        shapeText<Tensor>(rows, cols));
+                 if (!tensor.allFinite())
+                   fail("tensor '" + name + "': not finite");
+               });
+}
+
+}  // namespace patella::network
