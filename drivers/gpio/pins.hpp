@@ -15,7 +15,7 @@ class Pins {
   /// last call (edge seen by the kernel), or when the line cannot be read. The circuit is active low: a
   /// broken wire stops.
   virtual bool emergencyStop() noexcept PATELLA_NONBLOCKING = 0;
-  /// Level of the drive-enable line; false also when setting it failed.
+  /// True when the line took the level (or is not wired), false when the device refused.
   virtual bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING = 0;
   /// Toggled once a tick by the loop, watched by hardware.
   virtual void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING = 0;

@@ -1,0 +1,28 @@
+// State of a CAN network interface, asked of the kernel over rtnetlink(7).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace patella::app {
+
+struct CanInterface {
+  bool up = false;
+  bool can = false;                ///< carries CAN frames (ARPHRD_CAN)
+  std::string kind;                ///< "can", "vcan", …; empty for a device without a kind
+  bool fd = false;                 ///< takes CAN FD frames
+  std::uint32_t bitrate = 0;       ///< bit/s; 0 where there is none, as on vcan
+  std::uint32_t data_bitrate = 0;  ///< bit/s of the CAN FD data phase, else 0
+  std::uint32_t txqueuelen = 0;    ///< frames
+  std::optional<std::uint32_t>
+      state;  ///< enum can_state of linux/can/netlink.h, where the controller has one
+};
+
+/// Nothing when there is no such interface. Throws std::runtime_error when the kernel cannot be asked.
+std::optional<CanInterface> queryCanInterface(const std::string& name);
+
+/// True when the kernel has raw CAN sockets.
+bool kernelHasCan() noexcept;
+
+}  // namespace patella::app

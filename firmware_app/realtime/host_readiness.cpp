@@ -1,0 +1,195 @@
+#include "firmware_app/realtime/host_readiness.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string_view>
+
+#include <linux/can/netlink.h>
+#include <linux/capability.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "firmware_app/realtime/can_interface.hpp"
+
+namespace patella::app {
+
+namespace {
+
+constexpr bool kRequired = true;
+constexpr bool kAdvised = false;
+
+Finding finding(std::string name, bool required, bool ok, std::string found, std::string expected,
+                std::string fix) {
+  return {std::move(name), ok, required, std::move(found), std::move(expected), ok ? "" : std::move(fix)};
+}
+
+std::string limitText(rlim_t limit) {
+  return limit == RLIM_INFINITY ? "unlimited" : std::to_string(limit);
+}
+
+Finding kernelFinding(const HostFiles& host) {
+  const bool rt = host.preemptRt();
+  return finding("preempt_rt", kRequired, rt, rt ? "PREEMPT_RT" : "no PREEMPT_RT", "a PREEMPT_RT kernel",
+                 "install linux-image-rt-amd64 or linux-image-rt-arm64 and boot it");
+}
+
+Finding rtprioFinding(int priority) {
+  rlimit limit{};
+  getrlimit(RLIMIT_RTPRIO, &limit);
+  const bool capable = hasCapability(CAP_SYS_NICE);
+  const bool ok = capable || limit.rlim_cur >= static_cast<rlim_t>(priority);
+  return finding("rtprio_limit", kRequired, ok,
+                 limitText(limit.rlim_cur) + (capable ? " and CAP_SYS_NICE" : ""),
+                 "at least " + std::to_string(priority) + ", or CAP_SYS_NICE",
+                 "add '@realtime - rtprio " + std::to_string(priority) +
+                     "' to /etc/security/limits.d/realtime.conf and log in as a member of that group");
+}
+
+Finding memlockFinding() {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  const bool capable = hasCapability(CAP_IPC_LOCK);
+  const bool ok = capable || limit.rlim_cur == RLIM_INFINITY;
+  return finding("memlock_limit", kRequired, ok,
+                 limitText(limit.rlim_cur) + (capable ? " and CAP_IPC_LOCK" : ""),
+                 "unlimited, or CAP_IPC_LOCK",
+                 "add '@realtime - memlock unlimited' to /etc/security/limits.d/realtime.conf");
+}
+
+Finding governorFinding(const HostFiles& host) {
+  const std::vector<std::string> governors = host.governors();
+  std::string found;
+  for (const std::string& governor : governors) {
+    found += (found.empty() ? "" : ", ") + governor;
+  }
+  const bool ok = std::all_of(governors.begin(), governors.end(),
+                              [](const std::string& governor) { return governor == "performance"; });
+  return finding("governor", kAdvised, ok, found.empty() ? "no frequency scaling" : found, "performance",
+                 "cpupower frequency-set -g performance");
+}
+
+Finding cpuListFinding(const HostFiles& host, const HostNeeds& needs, const std::string& name,
+                       const std::string& file, const std::string& parameter) {
+  const std::vector<int> listed = host.cpuList("sys/devices/system/cpu/" + file);
+  const bool bound = !needs.cpus.empty();
+  const bool ok = bound && std::all_of(needs.cpus.begin(), needs.cpus.end(), [&](int cpu) {
+                    return std::find(listed.begin(), listed.end(), cpu) != listed.end();
+                  });
+  const std::string wanted = bound ? formatCpuList(needs.cpus) : "the loop's processor";
+  return finding(name, kAdvised, ok, formatCpuList(listed), wanted,
+                 bound ? "boot with " + parameter + "=" + wanted
+                       : "bind the loop to a processor, then boot with " + parameter);
+}
+
+Finding dmaLatencyFinding(const HostFiles& host) {
+  const bool ok = host.writable("dev/cpu_dma_latency");
+  const bool there = host.exists("dev/cpu_dma_latency");
+  return finding("cpu_dma_latency", kAdvised, ok,
+                 ok      ? "writable"
+                 : there ? "not writable"
+                         : "absent",
+                 "writable",
+                 "give the group access with a udev rule: KERNEL==\"cpu_dma_latency\", GROUP=\"realtime\", "
+                 "MODE=\"0660\"");
+}
+
+Finding throttlingFinding(const HostFiles& host) {
+  constexpr long kDefaultRuntime_us = 950000;
+  const std::string found = host.line("proc/sys/kernel/sched_rt_runtime_us").value_or("absent");
+  const long runtime = found == "absent" ? -1 : std::strtol(found.c_str(), nullptr, 10);
+  return finding("sched_rt_runtime_us", kAdvised, runtime == -1 || runtime >= kDefaultRuntime_us, found,
+                 "-1, or at least 950000", "sysctl -w kernel.sched_rt_runtime_us=-1");
+}
+
+Finding swapFinding(const HostFiles& host) {
+  const std::string swaps = host.text("proc/swaps").value_or("");
+  const auto lines = std::count(swaps.begin(), swaps.end(), '\n');
+  return finding("swap", kAdvised, lines <= 1, lines <= 1 ? "off" : "on", "off", "swapoff -a");
+}
+
+Finding clockSourceFinding(const HostFiles& host) {
+  constexpr std::array<std::string_view, 4> kFast{"tsc", "arch_sys_counter", "kvm-clock",
+                                                  "riscv_clocksource"};
+  const std::string found =
+      host.line("sys/devices/system/clocksource/clocksource0/current_clocksource").value_or("unknown");
+  return finding("clock_source", kAdvised, std::find(kFast.begin(), kFast.end(), found) != kFast.end(), found,
+                 "tsc or arch_sys_counter, read without a system call",
+                 "see why the kernel gave up its counter: dmesg | grep -i clocksource");
+}
+
+void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
+  const bool kernel = kernelHasCan();
+  findings.push_back(finding("can_kernel", kRequired, kernel, kernel ? "present" : "absent",
+                             "raw CAN sockets",
+                             "modprobe can-raw, or use a kernel built with CONFIG_CAN_RAW"));
+  const std::string& name = needs.can_interface;
+  const auto interface = queryCanInterface(name);
+  const bool there = interface && interface->can;
+  findings.push_back(finding("can_interface", kRequired, there,
+                             there       ? name + " (" + interface->kind + ")"
+                             : interface ? name + " is no CAN interface"
+                                         : name + " does not exist",
+                             name, "connect the adapter, or name another interface (ip -br link)"));
+  if (!there) {
+    return;
+  }
+  findings.push_back(finding("can_up", kRequired, interface->up, interface->up ? "up" : "down", "up",
+                             "ip link set " + name + " up"));
+  if (interface->state) {
+    const bool healthy = *interface->state == CAN_STATE_ERROR_ACTIVE;
+    findings.push_back(
+        finding("can_state", kRequired, healthy,
+                healthy ? "error active" : "state " + std::to_string(*interface->state), "error active",
+                "check wiring and termination, then ip link set " + name + " down, and up again"));
+  }
+  if (needs.bitrate != 0 && interface->kind == "can") {
+    const std::string rate = std::to_string(needs.bitrate);
+    findings.push_back(finding(
+        "can_bitrate", kRequired, interface->bitrate == needs.bitrate, std::to_string(interface->bitrate),
+        rate, "ip link set " + name + " down; ip link set " + name + " up type can bitrate " + rate));
+  }
+  findings.push_back(finding("can_txqueuelen", kRequired, interface->txqueuelen <= kLongestCanQueue,
+                             std::to_string(interface->txqueuelen),
+                             "at most " + std::to_string(kLongestCanQueue),
+                             "ip link set " + name + " txqueuelen " + std::to_string(kLongestCanQueue)));
+}
+
+Finding gpioFinding(const HostNeeds& needs) {
+  const char* const path = needs.gpio_chip.c_str();
+  const bool there = access(path, F_OK) == 0;
+  const bool ok = there && access(path, R_OK | W_OK) == 0;
+  return finding("gpio_chip", kRequired, ok,
+                 needs.gpio_chip + (ok      ? ""
+                                    : there ? " is not accessible"
+                                            : " does not exist"),
+                 needs.gpio_chip + ", readable and writable",
+                 there ? "join the group that owns it (ls -l " + needs.gpio_chip + ")"
+                       : "name one of the chips that gpiodetect lists");
+}
+
+}  // namespace
+
+std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host) {
+  std::vector<Finding> findings{
+      kernelFinding(host),
+      rtprioFinding(needs.priority),
+      memlockFinding(),
+      governorFinding(host),
+      cpuListFinding(host, needs, "isolated_cpus", "isolated", "isolcpus"),
+      cpuListFinding(host, needs, "nohz_full", "nohz_full", "nohz_full"),
+      dmaLatencyFinding(host),
+      throttlingFinding(host),
+      swapFinding(host),
+      clockSourceFinding(host),
+  };
+  if (!needs.can_interface.empty()) {
+    addCanFindings(findings, needs);
+  }
+  if (!needs.gpio_chip.empty()) {
+    findings.push_back(gpioFinding(needs));
+  }
+  return findings;
+}
+
+}  // namespace patella::app

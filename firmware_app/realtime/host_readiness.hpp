@@ -1,0 +1,27 @@
+// Is this machine fit to run the loop? Looks only; changes nothing.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "firmware_app/realtime/finding.hpp"
+#include "firmware_app/realtime/host_files.hpp"
+
+namespace patella::app {
+
+struct HostNeeds {
+  int priority = 80;          ///< SCHED_FIFO priority that the loop will ask for
+  std::vector<int> cpus;      ///< processors that the loop will be bound to; empty: any
+  std::string can_interface;  ///< empty: none needed
+  std::uint32_t bitrate = 0;  ///< bit/s expected on it; 0: any
+  std::string gpio_chip;      ///< device path; empty: none needed
+};
+
+/// One finding per condition, always in the same order.
+std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host = HostFiles());
+
+/// A longer queue holds torque commands back and lets them go after a stop; the kernel's own default.
+inline constexpr std::uint32_t kLongestCanQueue = 10;
+
+}  // namespace patella::app

@@ -1,0 +1,64 @@
+// Turns the calling thread into a real-time one, as far as the machine lets it, and says how far that was.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "firmware_app/realtime/finding.hpp"
+#include "firmware_app/realtime/host_files.hpp"
+
+namespace patella::app {
+
+struct RealtimeOptions {
+  int priority = 80;                                   ///< SCHED_FIFO 1..99; 0 leaves the scheduling alone
+  std::vector<int> cpus;                               ///< processors to bind the thread to; empty: any
+  bool lock_memory = true;                             ///< mlockall(2), present and future pages
+  std::size_t prefault_stack_bytes = 256 * 1024;       ///< touched at once, below the caller's frame
+  std::size_t prefault_heap_bytes = 16 * 1024 * 1024;  ///< touched at once and kept by the allocator
+  int cpu_dma_latency_us = 0;  ///< wake-up latency asked of idle processors; -1: do not ask
+  bool require_rt = false;     ///< refuse to run when anything required is missing
+};
+
+/// What was achieved, read back from the kernel.
+struct RealtimeReport {
+  std::string policy;  ///< "SCHED_FIFO", "SCHED_OTHER", …
+  int priority = 0;
+  bool memory_locked = false;
+  std::vector<int> cpus;  ///< processors that the thread may run on
+  bool cpu_dma_latency_held = false;
+  bool preempt_rt = false;
+  std::string governor;            ///< "performance", "powersave", a list, or "none"
+  std::vector<int> isolated_cpus;  ///< of the machine
+  long timer_slack_ns = 0;
+  std::vector<Finding> findings;
+
+  /// True when something required is missing.
+  bool degraded() const { return !allRequiredOk(findings); }
+  /// One line for the log or the screen.
+  std::string summary() const;
+};
+
+/// Applies the options to the thread that constructs it. Memory locking and the processors' wake-up latency
+/// hold for the process; the latter until the object goes. Scheduling and affinity stay with the thread.
+class RealtimeSetup {
+ public:
+  /// Throws std::invalid_argument for options out of range; with require_rt, std::runtime_error that names
+  /// everything missing with its remedy.
+  explicit RealtimeSetup(const RealtimeOptions& options, const HostFiles& host = HostFiles());
+  ~RealtimeSetup();
+  RealtimeSetup(const RealtimeSetup&) = delete;
+  RealtimeSetup& operator=(const RealtimeSetup&) = delete;
+
+  const RealtimeReport& report() const noexcept { return report_; }
+
+ private:
+  void apply(const RealtimeOptions& options, const HostFiles& host);
+  void readBack(const RealtimeOptions& options, const HostFiles& host);
+
+  int dma_latency_fd_ = -1;
+  bool memory_locked_ = false;
+  RealtimeReport report_;
+};
+
+}  // namespace patella::app
