@@ -1,0 +1,19 @@
+// Network weights as a safetensors file with PyTorch's names; docs/network.md lists tensors and metadata.
+#pragma once
+
+#include <filesystem>
+
+#include "core/network/network_weights.hpp"
+
+namespace patella::app {
+
+/// Throws FileError naming the file and the tensor or metadata key, what was found and what was
+/// expected, when the file is not a sound safetensors file, a tensor is missing, unexpected or of the wrong
+/// shape, or a key is missing or does not parse. What it returns passes network::checkWeights.
+network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path);
+
+/// Throws FileError when the weights do not pass network::checkWeights or cannot be written; a
+/// file that was there before is then untouched.
+void saveNetworkWeights(const std::filesystem::path& path, const network::NetworkWeights& weights);
+
+}  // namespace patella::app

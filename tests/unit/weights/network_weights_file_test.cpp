@@ -1,0 +1,171 @@
+// Networks survive the way through a file, and files that do not describe one are refused by name.
+#include "firmware_app/weights/network_weights_file.hpp"
+
+#include <functional>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "core/network/attention_lstm.hpp"
+#include "firmware_app/weights/safetensors_file.hpp"
+#include "temporary_folder.hpp"
+#include "tests/unit/network/random_network.hpp"
+
+namespace patella::app {
+
+namespace {
+
+network::NetworkWeights sample(int layers) {
+  network::RandomNetworkOptions options;
+  options.shape.layers = layers;
+  network::NetworkWeights weights = network::randomNetwork(options);
+  weights.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "observer1_Nm"};
+  weights.window = 48;
+  weights.rate_Hz = 500.0;
+  weights.attention_scale = network::AttentionScale::kNone;
+  weights.output = network::OutputKind::kTorqueCorrection;
+  return weights;
+}
+
+/// What the loader says of a sound file after `spoil`; its path is replaced by "file".
+std::string refusal(const std::function<void(Safetensors&)>& spoil) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.file("net.safetensors");
+  saveNetworkWeights(path, sample(1));
+  Safetensors content = readSafetensors(path);
+  spoil(content);
+  writeSafetensors(path, content);
+  try {
+    loadNetworkWeights(path);
+    return "accepted";
+  } catch (const std::runtime_error& error) {
+    const std::string message = error.what();
+    const std::string prefix = path.string() + ": ";
+    return message.starts_with(prefix) ? "file: " + message.substr(prefix.size()) : message;
+  }
+}
+
+std::string refusalOfMetadata(const std::string& key, const std::string& value) {
+  return refusal([&](Safetensors& content) { content.metadata[key] = value; });
+}
+
+}  // namespace
+
+TEST_CASE("a network comes back from its file bit for bit") {
+  for (const int layers : {1, 2}) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.file("net.safetensors");
+    const network::NetworkWeights saved = sample(layers);
+    saveNetworkWeights(path, saved);
+    const network::NetworkWeights loaded = loadNetworkWeights(path);
+    CHECK(loaded.features == saved.features);
+    CHECK(loaded.feature_mean == saved.feature_mean);
+    CHECK(loaded.feature_scale == saved.feature_scale);
+    CHECK(loaded.output_mean == saved.output_mean);
+    CHECK(loaded.output_scale == saved.output_scale);
+    CHECK(loaded.rate_Hz == saved.rate_Hz);
+    CHECK(loaded.window == saved.window);
+    CHECK(loaded.heads == saved.heads);
+    CHECK(loaded.attention_scale == saved.attention_scale);
+    CHECK(loaded.output == saved.output);
+
+    network::AttentionLstm original(saved);
+    network::AttentionLstm copy(loaded);
+    const Eigen::MatrixXd features = network::randomFeatures(saved, 100, 5).transpose();
+    for (Eigen::Index step = 0; step < features.cols(); ++step) {
+      const std::span<const double> column(features.col(step).data(), 5);
+      CHECK(original.step(column) == copy.step(column));
+    }
+  }
+}
+
+TEST_CASE("the tensors have PyTorch's names and shapes") {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.file("net.safetensors");
+  saveNetworkWeights(path, sample(2));
+  std::map<std::string, std::string> shapes;
+  for (const auto& [name, tensor] : readSafetensors(path).tensors)
+    shapes[name] = shapeText(tensor.shape);
+  CHECK(shapes == std::map<std::string, std::string>{{"lstm.weight_ih_l0", "[512,5]"},
+                                                     {"lstm.weight_hh_l0", "[512,128]"},
+                                                     {"lstm.bias_ih_l0", "[512]"},
+                                                     {"lstm.bias_hh_l0", "[512]"},
+                                                     {"lstm.weight_ih_l1", "[512,128]"},
+                                                     {"lstm.weight_hh_l1", "[512,128]"},
+                                                     {"lstm.bias_ih_l1", "[512]"},
+                                                     {"lstm.bias_hh_l1", "[512]"},
+                                                     {"fc.weight", "[64,128]"},
+                                                     {"fc.bias", "[64]"},
+                                                     {"attention.in_proj_weight", "[192,64]"},
+                                                     {"attention.in_proj_bias", "[192]"},
+                                                     {"attention.out_proj.weight", "[64,64]"},
+                                                     {"attention.out_proj.bias", "[64]"},
+                                                     {"output.weight", "[2,64]"},
+                                                     {"output.bias", "[2]"}});
+}
+
+TEST_CASE("a missing, unexpected or wrongly shaped tensor is refused with its name") {
+  CHECK(refusal([](Safetensors&) {}) == "accepted");
+  CHECK(refusal([](Safetensors& f) { f.tensors.erase("fc.bias"); }) == "file: tensor 'fc.bias': missing");
+  CHECK(refusal([](Safetensors& f) { f.tensors.erase("lstm.weight_hh_l0"); }) ==
+        "file: tensor 'lstm.weight_hh_l0': missing");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["norm.weight"] = {{64}, std::vector<float>(64)};
+        }) == "file: tensor 'norm.weight': shape [64], no such tensor expected");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["lstm.weight_ih_l2"] = {{1}, {0.0F}};
+        }) == "file: tensor 'lstm.weight_ih_l2': shape [1], no such tensor expected");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["lstm.weight_ih_l0"] = {{512, 6}, std::vector<float>(3072)};
+        }) == "file: tensor 'lstm.weight_ih_l0': shape [512,6], expected [512,5]");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["fc.weight"].shape = {128, 64};
+        }) == "file: tensor 'fc.weight': shape [128,64], expected [128,128]");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["output.bias"].shape = {2, 1};
+        }) == "file: tensor 'output.bias': shape [2,1], expected [2]");
+  CHECK(refusal([](Safetensors& f) { f.tensors["fc.weight"].shape = {8192}; }) ==
+        "file: tensor 'fc.weight': shape [8192], expected a matrix");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["output.weight"] = {{0, 64}, {}};
+        }) == "file: tensor 'output.weight': shape [0,64], expected sizes from 1 to 4096");
+}
+
+TEST_CASE("metadata that is missing or makes no sense is refused with its key") {
+  for (const std::string key : {"features", "feature_mean", "feature_scale", "output_mean", "output_scale",
+                                "rate_Hz", "window", "heads", "attention_scale", "output"})
+    CHECK(refusal([&](Safetensors& f) { f.metadata.erase(key); }) == "file: metadata '" + key + "': missing");
+  CHECK(refusalOfMetadata("format", "pt") == "accepted");
+  CHECK(refusalOfMetadata("heads", "eight") == "file: metadata 'heads': 'eight', expected an integer");
+  CHECK(refusalOfMetadata("heads", "8.5") == "file: metadata 'heads': '8.5', expected an integer");
+  CHECK(refusalOfMetadata("heads", "99999999999") ==
+        "file: metadata 'heads': '99999999999', expected an integer");
+  CHECK(refusalOfMetadata("heads", "7") == "file: heads: 7, expected a divisor of the 64 channels");
+  CHECK(refusalOfMetadata("window", "-1") == "file: window: -1, expected 1 to 4096");
+  CHECK(refusalOfMetadata("rate_Hz", "") == "file: metadata 'rate_Hz': '', expected a number");
+  CHECK(refusalOfMetadata("feature_mean", "0,0,,0,0") ==
+        "file: metadata 'feature_mean': '', expected a number");
+  CHECK(refusalOfMetadata("feature_mean", "0,0,0,0") == "file: feature_mean: 4 values, expected 5");
+  CHECK(refusalOfMetadata("feature_scale", "1,1,nan,1,1") == "file: feature_scale: not finite");
+  CHECK(refusalOfMetadata("feature_scale", "1,1,0,1,1").starts_with("file: feature_scale: 0"));
+  CHECK(refusalOfMetadata("features", "a,b,c,d,d") == "file: features: 'd' appears twice");
+  CHECK(refusalOfMetadata("features", "a,b") ==
+        "file: tensor 'lstm.weight_ih_l0': shape [512,5], expected [512,2]");
+  CHECK(refusalOfMetadata("attention_scale", "sqrt") ==
+        "file: metadata 'attention_scale': 'sqrt', expected inv_sqrt or none");
+  CHECK(refusalOfMetadata("output", "newton")
+            .starts_with("file: metadata 'output': 'newton', expected acceleration_rad_s2 or torque_Nm or"));
+}
+
+TEST_CASE("weights that the loader would refuse are not saved") {
+  const TemporaryFolder folder;
+  network::NetworkWeights weights = sample(1);
+  weights.output_bias.setZero(1);
+  CHECK_THROWS_WITH_AS(
+      saveNetworkWeights(folder.file("f"), weights),
+      (folder.file("f").string() + ": tensor 'output.bias': shape [1], expected [2]").c_str(),
+      std::runtime_error);
+  CHECK(folder.contents().empty());
+}
+
+}  // namespace patella::app
