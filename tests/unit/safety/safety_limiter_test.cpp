@@ -133,15 +133,19 @@ TEST_CASE("beyond the range is a fault that takes torque away in the same tick")
 
 TEST_CASE("near the velocity limit torque along the motion fades, braking does not; above it is a fault") {
   SafetyLimiter limiter(2, limits());
-  settle(limiter, vec(30.0, 0.0));
-  const LimiterOutput fading = limiter.apply(vec(30.0, 0.0), kPose, vec(3.6, 0.0), kDt_s);
-  CHECK(fading.torque_Nm[0] == doctest::Approx(20.0));
-  CHECK(fading.limits[0].has(Limit::kVelocity));
+  for (const double sign : {1.0, -1.0}) {
+    CAPTURE(sign);
+    const JointVector demand = vec(sign * 30.0, 0.0);
+    settle(limiter, demand);
+    const LimiterOutput fading = limiter.apply(demand, kPose, vec(sign * 3.6, 0.0), kDt_s);
+    CHECK(fading.torque_Nm[0] == doctest::Approx(sign * 20.0));
+    CHECK(fading.limits[0].has(Limit::kVelocity));
 
-  settle(limiter, vec(30.0, 0.0));
-  const LimiterOutput braking = limiter.apply(vec(30.0, 0.0), kPose, vec(-3.9, 0.0), kDt_s);
-  CHECK(braking.torque_Nm[0] == doctest::Approx(30.0));
-  CHECK_FALSE(braking.limits[0].any());
+    settle(limiter, demand);
+    const LimiterOutput braking = limiter.apply(demand, kPose, vec(sign * -3.9, 0.0), kDt_s);
+    CHECK(braking.torque_Nm[0] == doctest::Approx(sign * 30.0));
+    CHECK_FALSE(braking.limits[0].any());
+  }
 
   for (const double velocity : {4.01, -4.01}) {
     settle(limiter, vec(30.0, 0.0));
