@@ -66,8 +66,11 @@ EffectDescription readEffect(const TomlTable& table, int joints) {
   effect.kind = table.choice("kind", knownEffects());
   effect.joint = static_cast<int>(table.integer("joint", 1, joints)) - 1;
   for (const model::EffectParameter& parameter : model::findEffect(effect.kind)->parameters) {
-    effect.parameters.push_back(
-        table.number(parameter.name, {.minimum = parameter.minimum, .maximum = parameter.maximum}));
+    const Range range{.minimum = parameter.minimum, .maximum = parameter.maximum};
+    // A physical value has to be stated; a choice of modelling has a sensible default.
+    effect.parameters.push_back(parameter.identified
+                                    ? table.number(parameter.name, range)
+                                    : table.number(parameter.name, range, parameter.initial));
   }
   return effect;
 }

@@ -34,6 +34,9 @@ std::string shown(const toml::node& node) {
   if (node.is_table()) {
     return "a table";
   }
+  if (const toml::value<double>* number = node.as_floating_point()) {
+    return formatNumber(number->get());
+  }
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
   constexpr std::size_t kLongest = 60;

@@ -39,6 +39,14 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// One is the other without its unit: "mass" and "mass_kg".
+bool lacksUnit(std::string_view a, std::string_view b) {
+  const auto begins = [](std::string_view longer, std::string_view shorter) {
+    return longer.size() > shorter.size() && longer.starts_with(shorter) && longer[shorter.size()] == '_';
+  };
+  return !a.empty() && !b.empty() && (begins(a, b) || begins(b, a));
+}
+
 }  // namespace
 
 std::string formatNumber(double value) {
@@ -60,7 +68,7 @@ std::string nearestName(std::string_view name, std::span<const std::string> cand
   // Beyond a third of the letters a suggestion misleads more than it helps.
   std::size_t best_distance = std::max<std::size_t>(name.size() / 3, 2) * kError + 1;
   for (const std::string& candidate : candidates) {
-    const std::size_t distance = editDistance(name, candidate);
+    const std::size_t distance = lacksUnit(name, candidate) ? 1 : editDistance(name, candidate);
     if (distance < best_distance) {
       best_distance = distance;
       best = candidate;

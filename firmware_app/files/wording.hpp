@@ -13,8 +13,8 @@ std::string formatNumber(double value);
 /// Names in single quotes, separated by commas: 'a', 'b'.
 std::string quotedList(std::span<const std::string> names);
 
-/// The candidate that a typist most likely meant by `name` (edit distance, case counted as half an error),
-/// or an empty string when none is near.
+/// The candidate that a typist most likely meant by `name` (edit distance, case counted as half an error,
+/// a forgotten unit as one), or an empty string when none is near.
 std::string nearestName(std::string_view name, std::span<const std::string> candidates);
 
 /// ", did you mean 'x'?" for the nearest candidate, or an empty string.

@@ -89,10 +89,10 @@ TEST_CASE("wrong values are refused with file, line, key, value and expectation"
   CHECK(errorOf("x = inf", [](const TomlTable& root) { root.number("x"); }) ==
         "config.toml:1: key 'x': value inf, expected a finite number");
   CHECK(errorOf("x = 0.0", [](const TomlTable& root) { root.number("x", kPositive); }) ==
-        "config.toml:1: key 'x': value 0.0, expected a number greater than 0");
+        "config.toml:1: key 'x': value 0, expected a number greater than 0");
   CHECK(errorOf("x = 1.0", [](const TomlTable& root) {
           root.number("x", {.minimum = 0, .maximum = 1, .maximum_open = true});
-        }) == "config.toml:1: key 'x': value 1.0, expected a number in [0, 1)");
+        }) == "config.toml:1: key 'x': value 1, expected a number in [0, 1)");
   CHECK(errorOf("n = 2.5", [](const TomlTable& root) { root.integer("n", 1, 9); }) ==
         "config.toml:1: key 'n': value 2.5, expected an integer in [1, 9]");
   CHECK(errorOf("n = 10", [](const TomlTable& root) { root.integer("n", 1, 9, 5); }) ==

@@ -22,6 +22,7 @@ TEST_CASE("a suggestion prefers wrong case to wrong letters and is silent when n
   const std::vector<std::string> names{"rate_Hz", "rates_hz", "gravity_m_s2"};
   CHECK(nearestName("rate_hz", names) == "rate_Hz");
   CHECK(nearestName("gravty_m_s2", names) == "gravity_m_s2");
+  CHECK(nearestName("gravity", names) == "gravity_m_s2");
   CHECK(nearestName("delay_s", names).empty());
   CHECK(suggestion("rate_hz", names) == ", did you mean 'rate_Hz'?");
   CHECK(suggestion("completely_different", names).empty());

@@ -1,0 +1,171 @@
+#include "firmware_app/files/model_file.hpp"
+
+#include <cmath>
+#include <span>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "core/model/presets.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
+
+using namespace patella;
+using namespace patella::app;
+using patella::test::messageOf;
+using patella::test::ScratchFolder;
+
+namespace {
+
+constexpr const char* kLeg = R"([mechanism]
+kind = "planar_two_link"
+mass_kg = [2, 0.85]
+length_m = [0.2, 0.25]
+com_m = [0.1, 0.125]
+inertia_kg_m2 = [0.02, 0.01]
+)";
+
+std::string errorOf(const std::string& text) {
+  return messageOf<FileError>([&] { parseModel(text, "model.toml"); });
+}
+
+std::string errorOfEffect(const std::string& lines) {
+  return errorOf(kLeg + std::string("[[effect]]\n") + lines);
+}
+
+JointVector vector2(double first, double second) {
+  JointVector v(2);
+  v << first, second;
+  return v;
+}
+
+}  // namespace
+
+TEST_CASE("a model of a file moves as the same model made by hand") {
+  const ModelDescription description = parseModel(kLeg + std::string(R"(
+[[effect]]
+kind = "viscous_friction"
+joint = 2
+coefficient_Nms_rad = 0.3
+)"),
+                                                  "model.toml");
+  CHECK(description.joints() == 2);
+  const model::DynamicsModel dynamics = makeModel(description);
+  const model::PlanarTwoLink leg(
+      {.mass_kg = {2, 0.85}, .length_m = {0.2, 0.25}, .com_m = {0.1, 0.125}, .inertia_kg_m2 = {0.02, 0.01}});
+  model::EffectInput input;
+  input.q = vector2(-1.2, 0.4);
+  input.dq = vector2(0.5, -2.0);
+  input.torque_Nm = vector2(0.0, 0.0);
+  const JointVector ddq = vector2(1.0, -3.0);
+  const JointVector expected = leg.inertia(input.q) * ddq + leg.coriolis(input.q, input.dq) * input.dq +
+                               leg.gravity(input.q) + vector2(0.0, 0.3 * -2.0);
+  CHECK((dynamics.inverseDynamics(input, ddq) - expected).norm() < 1e-12);
+}
+
+TEST_CASE("the shipped models are the presets") {
+  const auto check = [](const std::string& name, const model::LegPreset& preset) {
+    CAPTURE(name);
+    // The files round what the presets compute.
+    const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
+    const model::DynamicsModel file =
+        makeModel(loadModel(PATELLA_SOURCE_DIR "/firmware_app/config/models/" + name + ".toml"));
+    const auto& leg = dynamic_cast<const model::PlanarTwoLink&>(file.mechanism()).parameters();
+    for (const std::size_t link : {0U, 1U}) {
+      CHECK(same(leg.mass_kg[link], preset.parameters.mass_kg[link]));
+      CHECK(same(leg.length_m[link], preset.parameters.length_m[link]));
+      CHECK(same(leg.com_m[link], preset.parameters.com_m[link]));
+      CHECK(same(leg.inertia_kg_m2[link], preset.parameters.inertia_kg_m2[link]));
+    }
+    CHECK(leg.gravity_m_s2 == preset.parameters.gravity_m_s2);
+    REQUIRE(file.effects().size() == 2);
+    for (const std::size_t joint : {0U, 1U}) {
+      CHECK(file.effects()[joint]->descriptor().kind == "viscous_friction");
+      CHECK(file.effects()[joint]->joint() == static_cast<int>(joint));
+      CHECK(file.effects()[joint]->parameters()[0] == preset.viscous_Nms_rad);
+    }
+  };
+  check("paper", model::paperLeg());
+  check("physical", model::physicalLeg());
+  check("adult", model::adultLeg());
+}
+
+TEST_CASE("every mechanism and every effect survives writing and reading") {
+  const ScratchFolder folder;
+  const MechanismDescription mechanisms[] = {
+      model::adultLeg().parameters,
+      model::RevoluteJointParameters{.inertia_kg_m2 = 0.1, .moment_kg_m = 1.0 / 3.0, .length_m = 0.4},
+      model::PrismaticJointParameters{.mass_kg = 95.1089, .inclination_rad = 0.1, .gravity_m_s2 = 0.0}};
+  for (const MechanismDescription& mechanism : mechanisms) {
+    ModelDescription description{.mechanism = mechanism, .effects = {}};
+    for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
+      EffectDescription effect{
+          .kind = std::string(descriptor->kind), .joint = description.joints() - 1, .parameters = {}};
+      for (const model::EffectParameter& parameter : descriptor->parameters) {
+        effect.parameters.push_back(parameter.initial);
+      }
+      try {
+        makeModel({.mechanism = mechanism, .effects = {effect}});
+      } catch (const std::invalid_argument&) {
+        continue;  // not every effect fits every mechanism
+      }
+      description.effects.push_back(effect);
+    }
+    REQUIRE(description.effects.size() >= 5);
+    saveModel(description, folder / "model.toml", "First line\nsecond line");
+    const std::string text = readFile(folder / "model.toml");
+    CHECK(text.starts_with("# First line\n# second line\n[mechanism]\n"));
+    const ModelDescription reread = loadModel(folder / "model.toml");
+    CHECK(reread.effects.size() == description.effects.size());
+    CHECK(modelText(reread) == modelText(description));
+    CHECK(modelText(describeModel(makeModel(reread))) == modelText(description));
+  }
+}
+
+TEST_CASE("malformed models are refused with file, line, key, value and expectation") {
+  CHECK(errorOf("") == "model.toml:1: key 'mechanism' is missing, expected a table");
+  CHECK(
+      errorOf("[mechanism]\nkind = \"planar_2r\"") ==
+      "model.toml:2: key 'mechanism.kind': value 'planar_2r', expected one of 'planar_two_link', 'revolute', "
+      "'prismatic'");
+  CHECK(errorOf("[mechanism]\nkind = \"revolute\"\ninertia_kg_m2 = -0.1") ==
+        "model.toml:3: key 'mechanism.inertia_kg_m2': value -0.1, expected a number greater than 0");
+  CHECK(errorOf("[mechanism]\nkind = \"prismatic\"\nmass = 95") ==
+        "model.toml:1: key 'mechanism.mass_kg' is missing, expected a number greater than 0; there is 'mass' "
+        "in its place");
+  CHECK(
+      errorOf("[mechanism]\nkind = \"planar_two_link\"\nmass_kg = [2, nan]") ==
+      "model.toml:3: key 'mechanism.mass_kg': value nan, expected an array of 2 finite numbers, each greater "
+      "than 0");
+  CHECK(errorOf(kLeg + std::string("gravity = 9.81")) ==
+        "model.toml:7: key 'mechanism.gravity' is unknown, did you mean 'gravity_m_s2'?");
+  CHECK(errorOfEffect("kind = \"viscous_friction\"\njoint = 3\ncoefficient_Nms_rad = 1") ==
+        "model.toml:9: key 'effect[1].joint': value 3, expected an integer in [1, 2]");
+  CHECK(errorOfEffect("kind = \"viscous_friction\"\njoint = 0\ncoefficient_Nms_rad = 1") ==
+        "model.toml:9: key 'effect[1].joint': value 0, expected an integer in [1, 2]");
+  CHECK(errorOfEffect("kind = \"viscous_friction\"\njoint = 1\ncoefficient_Nms_rad = -1") ==
+        "model.toml:10: key 'effect[1].coefficient_Nms_rad': value -1, expected a number in [0, 1000]");
+  CHECK(errorOfEffect("kind = \"viscous_friction\"\njoint = 1\ncoefficient = 1") ==
+        "model.toml:7: key 'effect[1].coefficient_Nms_rad' is missing, expected a number in [0, 1000]; there "
+        "is "
+        "'coefficient' in its place");
+  CHECK(errorOfEffect("kind = \"viscous_friction\"\njoint = 1\ncoefficient_Nms_rad = 1\ngap_rad = 1") ==
+        "model.toml:11: key 'effect[1].gap_rad' is unknown");
+  const std::string unknown = errorOfEffect("kind = \"stiction\"\njoint = 1");
+  CHECK(unknown.starts_with("model.toml:8: key 'effect[1].kind': value 'stiction', expected one of "));
+  for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
+    CHECK(unknown.find("'" + std::string(descriptor->kind) + "'") != std::string::npos);
+  }
+}
+
+TEST_CASE("a model that cannot be is not written, and the file stays as it was") {
+  const ScratchFolder folder;
+  const auto path = folder / "model.toml";
+  ModelDescription description = parseModel(kLeg, "model.toml");
+  saveModel(description, path);
+  const std::string before = readFile(path);
+  description.effects.push_back({.kind = "viscous_friction", .joint = 0, .parameters = {-1.0}});
+  CHECK_THROWS_AS(saveModel(description, path), std::invalid_argument);
+  CHECK(readFile(path) == before);
+  CHECK(folder.entries() == 1);
+}
