@@ -1,0 +1,92 @@
+#include "drivers/can/replay_bus.hpp"
+
+#include <algorithm>
+
+#include "drivers/can/candump_log.hpp"
+
+namespace patella::can {
+
+ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& options) {
+  CandumpReader reader(file);
+  LogEntry entry;
+  while (reader.next(entry)) {
+    const bool command = options.command_id == entry.frame.id &&
+                         options.command_extended == entry.frame.extended && !entry.frame.error &&
+                         !entry.frame.remote;
+    if (command) {
+      commands_.push_back(entry.frame);
+      tick_end_.push_back(frames_.size());
+    } else {
+      frames_.push_back(entry.frame);
+    }
+  }
+  if (frames_.empty() && commands_.empty())
+    throw LogError(file.string() + ": holds no frame");
+}
+
+std::size_t ReplayBus::tickEnd() const noexcept {
+  // What follows the last command is one more tick.
+  return ticks_begun_ <= tick_end_.size() ? tick_end_[ticks_begun_ - 1] : frames_.size();
+}
+
+std::size_t ReplayBus::deliver(std::span<Frame> frames, std::size_t end, std::int64_t now_ns) noexcept {
+  const std::size_t count = std::min(frames.size(), end - next_frame_);
+  for (std::size_t i = 0; i < count; ++i) {
+    Frame& frame = frames[i];
+    frame = frames_[next_frame_++];
+    frame.monotonic_ns = hasCommands() ? now_ns : *start_ns_ + frame.wall_ns - frames_.front().wall_ns;
+    errors_.observe(frame, statistics_);
+    if (!frame.error && !frame.own)
+      ++statistics_.frames_received;
+  }
+  return count;
+}
+
+std::size_t ReplayBus::receive(std::span<Frame> frames, std::int64_t now_ns) noexcept {
+  const bool new_tick = !start_ns_ || now_ns != tick_ns_;
+  if (!start_ns_)
+    start_ns_ = now_ns;
+  tick_ns_ = now_ns;
+  if (hasCommands()) {
+    // A tick that did not fit is finished first, even if the caller has gone on.
+    const bool pending = ticks_begun_ > 0 && next_frame_ < tickEnd();
+    if (new_tick && !pending && ticks_begun_ <= tick_end_.size())
+      ++ticks_begun_;
+    return ticks_begun_ == 0 ? 0 : deliver(frames, tickEnd(), now_ns);
+  }
+  const std::int64_t until_wall_ns = frames_.front().wall_ns + (now_ns - *start_ns_);
+  const auto begin = frames_.begin() + static_cast<std::ptrdiff_t>(next_frame_);
+  const std::size_t wanted = std::min(frames.size(), frames_.size() - next_frame_);
+  // A stamp may lie before its neighbour's, so frames wait for the first one that is not due.
+  const auto due = std::find_if(begin, begin + static_cast<std::ptrdiff_t>(wanted),
+                                [&](const Frame& frame) { return frame.wall_ns > until_wall_ns; });
+  return deliver(frames, static_cast<std::size_t>(due - frames_.begin()), now_ns);
+}
+
+SendResult ReplayBus::send(Frame& frame, std::int64_t now_ns) noexcept {
+  ++statistics_.frames_sent;
+  frame.monotonic_ns = now_ns;
+  if (next_command_ >= commands_.size()) {
+    const Frame& first = frames_.empty() ? commands_.front() : frames_.front();
+    frame.wall_ns = first.wall_ns + (now_ns - start_ns_.value_or(now_ns));
+    return SendResult::kSent;
+  }
+  const Frame& recorded = commands_[next_command_];
+  frame.wall_ns = recorded.wall_ns;
+  const bool same = frame.id == recorded.id && frame.extended == recorded.extended &&
+                    frame.length == recorded.length &&
+                    std::equal(frame.data.begin(), frame.data.begin() + frame.length, recorded.data.begin());
+  if (!same) {
+    ++command_mismatches_;
+    if (!first_mismatch_)
+      first_mismatch_ = next_command_;
+  }
+  ++next_command_;
+  return SendResult::kSent;
+}
+
+bool ReplayBus::exhausted() const noexcept {
+  return next_frame_ == frames_.size() && (!hasCommands() || ticks_begun_ >= tick_end_.size());
+}
+
+}  // namespace patella::can

@@ -1,0 +1,71 @@
+// A recorded log in the place of the bus.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "drivers/can/bus.hpp"
+#include "drivers/can/can_frame.hpp"
+#include "drivers/can/error_monitor.hpp"
+
+namespace patella::can {
+
+struct ReplayOptions {
+  /// Identifier of the torque command. A log that holds it was recorded by the loop.
+  std::optional<std::uint32_t> command_id;
+  bool command_extended = false;
+};
+
+/// Plays what `candump -l` recorded.
+///
+/// In a log of the loop's own, each torque command closes a tick: a tick is given the frames between two
+/// commands in their order, however the clocks ran then or run now, so that replaying repeats the recorded
+/// computation exactly. Commands are not delivered; what is sent is compared with them, the n-th with the
+/// n-th. Frames are stamped with the tick's time on the loop clock.
+///
+/// Any other log is given by its stamps, the first frame at the first receive(); each frame's time on the
+/// loop clock follows from its stamp. What is sent is dropped.
+class ReplayBus final : public Bus {
+ public:
+  /// Reads and checks the whole log. Throws LogError at the first line that is none, and for a log without
+  /// frames.
+  explicit ReplayBus(const std::filesystem::path& file, const ReplayOptions& options = {});
+
+  /// A new `now_ns` begins a new tick; calls with the same one continue it, where `frames` was too small.
+  std::size_t receive(std::span<Frame> frames, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
+  /// Stamps the frame with `now_ns` and the recorded command's wall stamp.
+  SendResult send(Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
+  /// As the recorded error reports say.
+  bool down() const noexcept override { return errors_.busOff(); }
+  bool exhausted() const noexcept override;
+  BusStatistics statistics() const noexcept override { return statistics_; }
+
+  /// True where the log's ticks are those of its commands.
+  bool hasCommands() const noexcept { return !commands_.empty(); }
+  std::size_t recordedCommands() const noexcept { return commands_.size(); }
+  /// Sent commands so far that differ from the recorded ones in identifier, length or data.
+  std::uint64_t commandMismatches() const noexcept { return command_mismatches_; }
+  std::optional<std::size_t> firstMismatch() const noexcept { return first_mismatch_; }
+
+ private:
+  std::size_t deliver(std::span<Frame> frames, std::size_t end, std::int64_t now_ns) noexcept;
+  std::size_t tickEnd() const noexcept;
+
+  std::vector<Frame> frames_;  ///< all but commands
+  std::vector<Frame> commands_;
+  std::vector<std::size_t> tick_end_;  ///< for each command, number of frames before it
+  std::size_t next_frame_ = 0;
+  std::size_t ticks_begun_ = 0;
+  std::size_t next_command_ = 0;
+  std::optional<std::int64_t> start_ns_;
+  std::int64_t tick_ns_ = 0;
+  std::uint64_t command_mismatches_ = 0;
+  std::optional<std::size_t> first_mismatch_;
+  ErrorMonitor errors_;
+  BusStatistics statistics_;
+};
+
+}  // namespace patella::can
