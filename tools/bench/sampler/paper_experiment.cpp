@@ -80,9 +80,9 @@ State derivative(Experiment experiment, double t, const State& state, const Pair
   return rate;
 }
 
-/// Fourth-order Runge–Kutta in steps of at most 0.1 ms.
+/// Fourth-order Runge–Kutta in steps of at most 0.25 ms.
 State integrate(Experiment experiment, double t, double span, State state, const Pair& torque) {
-  const int steps = std::max(1, static_cast<int>(std::ceil(span / 1e-4 - 1e-9)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(span / 2.5e-4 - 1e-9)));
   const double h = span / steps;
   for (int i = 0; i < steps; ++i, t += h) {
     const State k1 = derivative(experiment, t, state, torque);
@@ -106,12 +106,15 @@ TorqueSource::TorqueSource(double rms_Nm, double peak_Nm, std::uint64_t seed) : 
     tone.rate_rad_s = 2.0 * std::numbers::pi * uniform(kLow_Hz, kHigh_Hz);
     tone.phase_rad = uniform(0.0, 2.0 * std::numbers::pi);
   }
-  // The limiter of at() takes away some of the rms, so the gain that restores it is found by iteration.
+  std::array<double, 5000> unlimited{};  // 50 s
+  for (std::size_t n = 0; n < unlimited.size(); ++n) {
+    unlimited[n] = raw(0.01 * static_cast<double>(n));
+  }
+  // The limiter takes away some of the rms, so the gain that restores it is found by iteration.
   for (int i = 0; i < 30; ++i) {
     double power = 0.0;
-    constexpr int kCount = 5000;
-    for (int n = 0; n < kCount; ++n) {
-      power += std::pow(at(0.01 * n), 2) / kCount;
+    for (const double value : unlimited) {
+      power += std::pow(limited(value), 2) / static_cast<double>(unlimited.size());
     }
     gain_ *= rms_Nm / std::sqrt(power);
   }
@@ -125,8 +128,8 @@ double TorqueSource::raw(double time_s) const {
   return sum * std::sqrt(2.0 / kTones);
 }
 
-double TorqueSource::at(double time_s) const {
-  return peak_Nm_ * std::tanh(gain_ * raw(time_s) / peak_Nm_);
+double TorqueSource::limited(double raw_value) const {
+  return peak_Nm_ * std::tanh(gain_ * raw_value / peak_Nm_);
 }
 
 std::vector<Sample> runPaperExperiment(Experiment experiment, double rate_Hz, double seconds,

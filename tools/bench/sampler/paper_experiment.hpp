@@ -31,7 +31,8 @@ struct Sample {
 class TorqueSource {
  public:
   TorqueSource(double rms_Nm, double peak_Nm, std::uint64_t seed);
-  double at(double time_s) const;
+  /// N·m.
+  double at(double time_s) const { return limited(raw(time_s)); }
 
  private:
   struct Tone {
@@ -41,6 +42,7 @@ class TorqueSource {
   static constexpr int kTones = 24;
 
   double raw(double time_s) const;
+  double limited(double raw_value) const;
 
   std::array<Tone, kTones> tones_{};
   double peak_Nm_;
