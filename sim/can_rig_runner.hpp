@@ -1,0 +1,32 @@
+// Runs the simulated rig as a separate peer on a real or virtual CAN interface.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "drivers/can/bus.hpp"
+#include "drivers/clock/clock.hpp"
+#include "sim/rig.hpp"
+
+namespace patella::sim {
+
+struct RigRunOptions {
+  double duration_s = 0.0;  ///< 0: until told to stop
+  int polls_per_period =
+      4;  ///< how often the bus is looked at in a sensor period: a command waits at most so long
+};
+
+struct RigRunStatistics {
+  double duration_s = 0.0;
+  std::uint64_t frames_sent = 0;
+  std::uint64_t send_failed = 0;      ///< frames that the interface refused; not sent again
+  std::uint64_t frames_received = 0;  ///< of any kind
+  RigStatistics rig;                  ///< commands accepted and rejected, watchdog trips, largest torque
+};
+
+/// Returns when the duration is over or `stop` is set. A rig that was kept from running makes up for it: all
+/// samples that fell due are sent, late. Throws std::invalid_argument when an option is out of its range.
+RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic<bool>& stop,
+                        const RigRunOptions& options = {});
+
+}  // namespace patella::sim

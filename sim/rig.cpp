@@ -1,0 +1,193 @@
+#include "sim/rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+namespace patella::sim {
+namespace {
+
+constexpr double kResetPress_s = 0.1;
+
+std::unique_ptr<model::Mechanism> makeMechanism(const model::PlanarTwoLinkParameters& parameters) {
+  return std::make_unique<model::PlanarTwoLink>(parameters);
+}
+std::unique_ptr<model::Mechanism> makeMechanism(const model::RevoluteJointParameters& parameters) {
+  return std::make_unique<model::RevoluteJoint>(parameters);
+}
+std::unique_ptr<model::Mechanism> makeMechanism(const model::PrismaticJointParameters& parameters) {
+  return std::make_unique<model::PrismaticJoint>(parameters);
+}
+
+model::DynamicsModel makeModel(const MechanismParameters& parameters,
+                               std::initializer_list<const std::vector<EffectOptions>*> groups) {
+  std::unique_ptr<model::Mechanism> mechanism =
+      std::visit([](const auto& p) { return makeMechanism(p); }, parameters);
+  std::vector<std::unique_ptr<model::Effect>> effects;
+  for (const auto* group : groups) {
+    for (const EffectOptions& e : *group) {
+      effects.push_back(model::makeEffect(e.kind, e.joint, *mechanism, e.parameters));
+    }
+  }
+  return {std::move(mechanism), std::move(effects)};
+}
+
+JointVector jointVector(const std::vector<double>& values, int joints, const char* name) {
+  if (values.empty()) {
+    return JointVector::Zero(joints);
+  }
+  if (values.size() != static_cast<std::size_t>(joints)) {
+    throw std::invalid_argument(std::string("rig ") + name + " has " + std::to_string(values.size()) +
+                                " values, expected one for each of " + std::to_string(joints) + " joints");
+  }
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), joints);
+}
+
+Plant makePlant(const RigOptions& options, model::DynamicsModel truth, model::DynamicsModel known) {
+  const int joints = truth.joints();
+  const PlantState initial{jointVector(options.initial_q_rad, joints, "initial_q_rad"),
+                           jointVector(options.initial_dq_rad_s, joints, "initial_dq_rad_s")};
+  return {std::move(truth), std::move(known), options.interaction, options.seed, initial, options.max_step_s};
+}
+
+std::vector<Encoder> makeEncoders(const RigOptions& options, int joints) {
+  std::vector<Encoder> encoders;
+  for (int joint = 0; joint < joints; ++joint) {
+    encoders.emplace_back(options.encoder, joint, options.seed);
+  }
+  return encoders;
+}
+
+std::int64_t checkedPeriod(const RigOptions& options) {
+  if (options.sensor_period_ns <= 0) {
+    throw std::invalid_argument("rig sensor_period_ns is " + std::to_string(options.sensor_period_ns) +
+                                ", expected > 0");
+  }
+  if (options.operator_period_ns <= 0 || options.operator_period_ns % options.sensor_period_ns != 0) {
+    throw std::invalid_argument("rig operator_period_ns is " + std::to_string(options.operator_period_ns) +
+                                ", expected a multiple of sensor_period_ns");
+  }
+  return options.sensor_period_ns;
+}
+
+}  // namespace
+
+Rig::Rig(const RigOptions& options, const can::Database& database)
+    : Rig(options, makeModel(options.mechanism, {&options.known_effects, &options.hidden_effects}),
+          makeModel(options.known_mechanism.value_or(options.mechanism), {&options.known_effects}),
+          database) {}
+
+Rig::Rig(const RigOptions& options, model::DynamicsModel truth, model::DynamicsModel known,
+         const can::Database& database)
+    : sensor_period_ns_(checkedPeriod(options)),
+      samples_per_operator_frame_(
+          static_cast<std::uint64_t>(options.operator_period_ns / options.sensor_period_ns)),
+      max_step_s_(options.max_step_s),
+      slow_drive_(options.drive.bandwidth_Hz > 0.0),
+      publish_truth_(options.publish_truth),
+      operator_(options.operator_buttons),
+      plant_(makePlant(options, std::move(truth), std::move(known))),
+      drive_(options.drive, plant_.joints(), options.seed),
+      emg_(options.emg, 1e9 / static_cast<double>(options.sensor_period_ns), plant_.joints(), options.seed),
+      encoders_(makeEncoders(options, plant_.joints())),
+      messages_(database, plant_.joints()),
+      queue_(options.queue_frames) {}
+
+void Rig::advance(std::int64_t to_ns) noexcept PATELLA_NONBLOCKING {
+  if (!started_) {
+    start(to_ns);
+    return;
+  }
+  while (now_ns_ < to_ns) {
+    integrateTo(std::min({to_ns, next_sample_ns_, drive_.deadline_ns()}));
+    drive_.watch(now_ns_);
+    if (now_ns_ == next_sample_ns_) {
+      sample();
+      next_sample_ns_ += sensor_period_ns_;
+    }
+  }
+}
+
+void Rig::accept(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
+  if (!messages_.isCommand(frame)) {
+    return;
+  }
+  JointVector torque_Nm(plant_.joints());
+  bool enable = false;
+  if (!messages_.decodeCommand(frame, torque_Nm, enable)) {
+    ++statistics_.commands_rejected;
+    return;
+  }
+  ++statistics_.commands_accepted;
+  drive_.command(torque_Nm, enable, now_ns_);
+}
+
+RigStatistics Rig::statistics() const noexcept {
+  RigStatistics statistics = statistics_;
+  statistics.watchdog_trips = drive_.watchdogTrips();
+  return statistics;
+}
+
+void Rig::start(std::int64_t now_ns) noexcept {
+  started_ = true;
+  epoch_ns_ = now_ns;
+  now_ns_ = now_ns;
+  next_sample_ns_ = now_ns + sensor_period_ns_;
+  sample();
+}
+
+void Rig::integrateTo(std::int64_t instant_ns) noexcept {
+  const double duration_s = static_cast<double>(instant_ns - now_ns_) * 1e-9;
+  now_ns_ = instant_ns;
+  const int steps = slow_drive_ ? static_cast<int>(std::ceil(duration_s / max_step_s_ - 1e-9)) : 1;
+  const double h = duration_s / steps;
+  for (int i = 0; i < steps; ++i) {
+    // A torque that moves is held at its value in the middle of each step.
+    drive_.advance(0.5 * h);
+    plant_.advance(drive_.torque(), emg_.activation(), h);
+    drive_.advance(0.5 * h);
+    statistics_.max_torque_Nm =
+        std::max(statistics_.max_torque_Nm, drive_.torque().lpNorm<Eigen::Infinity>());
+  }
+}
+
+void Rig::sample() noexcept {
+  const double time_s = static_cast<double>(now_ns_ - epoch_ns_) * 1e-9;
+  const PlantState& state = plant_.state();
+  for (std::size_t joint = 0; joint < encoders_.size(); ++joint) {
+    const auto i = static_cast<Eigen::Index>(joint);
+    Encoder& encoder = encoders_[joint];
+    queue(
+        messages_.encoder(joint, encoder.measurePosition(state.q(i)), encoder.measureVelocity(state.dq(i))));
+  }
+  queue(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()));
+  emg_.advance(time_s, state.dq);
+  queue(messages_.emg(emg_.signal()));
+  const JointVector unknown = plant_.takeMeanUnknownDynamics();
+  if (publish_truth_) {
+    queue(messages_.truth(unknown));
+  }
+  if (statistics_.samples % samples_per_operator_frame_ == 0) {
+    queue(messages_.operatorButtons(time_s >= operator_.enable_at_s, resetPressed(time_s)));
+  }
+  ++statistics_.samples;
+}
+
+void Rig::queue(can::Frame frame) noexcept {
+  frame.monotonic_ns = now_ns_;
+  if (queue_.push(frame)) {
+    ++statistics_.frames_queued;
+  } else {
+    ++statistics_.frames_dropped;
+  }
+}
+
+bool Rig::resetPressed(double time_s) const noexcept {
+  return std::any_of(operator_.reset_at_s.begin(), operator_.reset_at_s.end(), [time_s](double start_s) {
+    return time_s >= start_s && time_s < start_s + kResetPress_s;
+  });
+}
+
+}  // namespace patella::sim

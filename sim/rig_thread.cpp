@@ -1,0 +1,92 @@
+#include "sim/rig_thread.hpp"
+
+#include <algorithm>
+
+namespace patella::sim {
+namespace {
+
+constexpr std::size_t kFramesToLoop = 1024;
+constexpr std::size_t kFramesToRig = 256;
+
+}  // namespace
+
+RigThread::RigThread(Rig& rig, Clock& clock)
+    : rig_(rig),
+      clock_(clock),
+      wall_offset_ns_(clock.wallNow() - clock.now()),
+      to_loop_(kFramesToLoop),
+      to_rig_(kFramesToRig) {}
+
+void RigThread::start() {
+  if (thread_.joinable()) {
+    return;
+  }
+  running_.store(true, std::memory_order_relaxed);
+  try {
+    thread_ = std::thread([this] { run(); });
+  } catch (...) {
+    running_.store(false, std::memory_order_relaxed);
+    throw;
+  }
+}
+
+void RigThread::stop() noexcept {
+  running_.store(false, std::memory_order_relaxed);
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+std::size_t RigThread::receive(std::span<can::Frame> frames,
+                               std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  std::size_t count = 0;
+  while (count < frames.size() && to_loop_.pop(frames[count])) {
+    frames[count++].monotonic_ns = now_ns;
+  }
+  statistics_.frames_received += count;
+  return count;
+}
+
+can::SendResult RigThread::send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  if (down()) {
+    ++statistics_.send_failed;
+    return can::SendResult::kDown;
+  }
+  frame.monotonic_ns = now_ns;
+  frame.wall_ns = now_ns + wall_offset_ns_;
+  if (!to_rig_.push(frame)) {
+    ++statistics_.send_failed;
+    return can::SendResult::kQueueFull;
+  }
+  ++statistics_.frames_sent;
+  return can::SendResult::kSent;
+}
+
+can::BusStatistics RigThread::statistics() const noexcept {
+  can::BusStatistics statistics = statistics_;
+  statistics.receive_dropped = dropped_.load(std::memory_order_relaxed);
+  return statistics;
+}
+
+void RigThread::run() noexcept {
+  std::int64_t instant_ns = clock_.now();
+  rig_.advance(instant_ns);
+  can::Frame frame;
+  while (running_.load(std::memory_order_relaxed)) {
+    clock_.sleepUntil(instant_ns);
+    while (to_rig_.pop(frame)) {
+      rig_.advance(std::min(frame.monotonic_ns, instant_ns));
+      rig_.accept(frame);
+    }
+    rig_.advance(instant_ns);
+    while (rig_.pop(frame)) {
+      frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
+      if (!to_loop_.push(frame)) {
+        dropped_.fetch_add(1, std::memory_order_relaxed);
+      }
+    }
+    instant_ns += rig_.sensorPeriod_ns();
+  }
+}
+
+}  // namespace patella::sim

@@ -1,0 +1,33 @@
+#include "sim/simulated_bus.hpp"
+
+namespace patella::sim {
+
+std::size_t SimulatedBus::receive(std::span<can::Frame> frames,
+                                  std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  rig_.advance(now_ns);
+  std::size_t count = 0;
+  while (count < frames.size() && rig_.pop(frames[count])) {
+    can::Frame& frame = frames[count++];
+    frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
+    frame.monotonic_ns = now_ns;
+  }
+  statistics_.frames_received += count;
+  return count;
+}
+
+can::SendResult SimulatedBus::send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  frame.monotonic_ns = now_ns;
+  frame.wall_ns = now_ns + wall_offset_ns_;
+  rig_.advance(now_ns);
+  rig_.accept(frame);
+  ++statistics_.frames_sent;
+  return can::SendResult::kSent;
+}
+
+can::BusStatistics SimulatedBus::statistics() const noexcept {
+  can::BusStatistics statistics = statistics_;
+  statistics.receive_dropped = rig_.statistics().frames_dropped;
+  return statistics;
+}
+
+}  // namespace patella::sim
