@@ -51,13 +51,24 @@ inline float tanhOf(float x) noexcept {
   return std::copysign(a < 0.625F ? small : large, x);
 }
 
+/// Lanes that remain while a panel is reduced: as many as the narrowest vector unit has.
+constexpr int kNarrow = 4;
+
 inline float sumOf(const float* lanes) noexcept {
-  float half[kPanel];
-  std::copy_n(lanes, kPanel, half);
-  for (int width = kPanel / 2; width > 0; width /= 2)
-    for (int lane = 0; lane < width; ++lane)
-      half[lane] += half[lane + width];
-  return half[0];
+  float sum[kNarrow] = {};
+  for (int start = 0; start < kPanel; start += kNarrow)
+    for (int lane = 0; lane < kNarrow; ++lane)
+      sum[lane] += lanes[start + lane];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+inline float largestOf(const float* lanes) noexcept {
+  float largest[kNarrow];
+  std::copy_n(lanes, kNarrow, largest);
+  for (int start = kNarrow; start < kPanel; start += kNarrow)
+    for (int lane = 0; lane < kNarrow; ++lane)
+      largest[lane] = lanes[start + lane] < largest[lane] ? largest[lane] : lanes[start + lane];
+  return std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));
 }
 
 /// Scores of one head over the filled steps, (32), into view.weights; returns the largest.
@@ -82,7 +93,7 @@ float scoresOf(const AttentionView& view, int head, int padded_count) noexcept {
       view.weights[start + lane] = score[lane];
     }
   }
-  return *std::max_element(largest, largest + kPanel);
+  return largestOf(largest);
 }
 
 }  // namespace
