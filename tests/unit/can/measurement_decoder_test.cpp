@@ -1,0 +1,377 @@
+#include "drivers/can/measurement_decoder.hpp"
+
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "rig_map.hpp"
+
+using namespace patella;
+using namespace patella::can;
+using safety::Fault;
+
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kEpoch = 1'700'000'000'000'000'000;
+
+/// Sends the rig's messages by name; counters run on, so a frame that is made and not delivered is a lost
+/// one.
+class Rig {
+ public:
+  using Values = std::vector<std::pair<const char*, double>>;
+
+  Frame make(const std::string& name, std::int64_t time_ns, const Values& values) {
+    for (auto& [known, encoder] : encoders_) {
+      if (known == name)
+        return fill(encoder, time_ns, values);
+    }
+    const Protection protection = name == "Truth" ? Protection{} : test::protectionOf(name);
+    encoders_.emplace_back(name, MessageEncoder(database_.message(name), protection));
+    return fill(encoders_.back().second, time_ns, values);
+  }
+
+  const Database& database() const { return database_; }
+
+ private:
+  static Frame fill(MessageEncoder& encoder, std::int64_t time_ns, const Values& values) {
+    Frame frame = encoder.blank();
+    for (const auto& [signal, value] : values)
+      encoder.set(frame, encoder.slot(signal), value);
+    encoder.seal(frame);
+    frame.monotonic_ns = time_ns;
+    frame.wall_ns = kEpoch + time_ns;
+    return frame;
+  }
+
+  Database database_ = test::rigDatabase();
+  std::vector<std::pair<std::string, MessageEncoder>> encoders_;
+};
+
+struct Fixture {
+  explicit Fixture(const BusMap& map = test::rigMap()) : decoder(rig.database(), map, 2) {}
+
+  void encoders(std::int64_t time_ns, double hip_rad, double knee_rad) {
+    decoder.accept(rig.make("Encoder1", time_ns, {{"Position", hip_rad}, {"Velocity", 1.0}}));
+    decoder.accept(rig.make("Encoder2", time_ns, {{"Position", knee_rad}, {"Velocity", -2.0}}));
+  }
+  void others(std::int64_t time_ns) {
+    decoder.accept(rig.make("DriveStatus", time_ns, {{"Torque1", 3.0}, {"Torque2", -4.0}, {"Enabled", 1}}));
+    decoder.accept(rig.make("Emg", time_ns, {{"Channel1", 0.3}, {"Channel2", -0.6}}));
+    decoder.accept(rig.make("Operator", time_ns, {{"Enable", 1}, {"Reset", 1}}));
+  }
+  const MessageStatistics& statistics(const std::string& name) const {
+    for (std::size_t i = 0; i < decoder.messageCount(); ++i) {
+      if (decoder.messageName(i) == name)
+        return decoder.statistics(i);
+    }
+    throw std::invalid_argument(name);
+  }
+
+  Rig rig;
+  MeasurementDecoder decoder;
+};
+
+}  // namespace
+
+TEST_CASE("all inputs arrive in SI units, and the reading is complete once each has been seen") {
+  Fixture f;
+  f.encoders(0, 0.5, -0.25);
+  CHECK_FALSE(f.decoder.finish(0).complete);
+  f.others(0);
+  Reading reading = f.decoder.finish(0);
+  CHECK(reading.complete);
+  CHECK_FALSE(reading.faults.any());
+  const Measurement& m = reading.measurement;
+  CHECK(m.position_rad[0] == doctest::Approx(0.5));
+  CHECK(m.position_rad[1] == doctest::Approx(-0.25));
+  CHECK(m.velocity_rad_s[1] == doctest::Approx(-2.0));
+  CHECK(m.drive_torque_Nm[0] == doctest::Approx(3.0));
+  CHECK(m.drive_torque_Nm[1] == doctest::Approx(-4.0));
+  CHECK(m.emg_mV[0] == doctest::Approx(0.3));
+  CHECK(m.emg_mV[1] == doctest::Approx(-0.6));
+  CHECK(m.has_velocity);
+  CHECK(m.has_drive_torque);
+  CHECK(m.drive_enabled);
+  CHECK(m.operator_enable);
+  CHECK(m.operator_reset);
+  CHECK_FALSE(m.has_truth);
+  CHECK(m.encoder_wall_ns == kEpoch);
+
+  f.decoder.accept(f.rig.make("Truth", 0, {{"Fu1", 1.5}, {"Fu2", -2.5}}));
+  reading = f.decoder.finish(kMillisecond);
+  CHECK(reading.measurement.has_truth);
+  CHECK(reading.measurement.true_f_u[1] == doctest::Approx(-2.5));
+}
+
+TEST_CASE("scale and offset of a binding turn a sensor's zero and direction into the joint's") {
+  BusMap map = test::rigMap();
+  map.bindings[0].scale = -1.0;
+  map.bindings[0].offset = 0.1;
+  Fixture f(map);
+  f.encoders(0, 0.5, 0.0);
+  CHECK(f.decoder.finish(0).measurement.position_rad[0] == doctest::Approx(-0.4));
+}
+
+TEST_CASE("encoder steps count sensor periods between complete sets, whatever is lost or comes late") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  CHECK(f.decoder.finish(0).measurement.encoder_steps == 1);
+  f.encoders(1 * kMillisecond, 0.0, 0.0);
+  CHECK(f.decoder.finish(1 * kMillisecond).measurement.encoder_steps == 1);
+  CHECK(f.decoder.finish(2 * kMillisecond).measurement.encoder_steps == 0);
+  f.encoders(2 * kMillisecond, 0.0, 0.0);
+  f.encoders(3 * kMillisecond, 0.0, 0.0);
+  CHECK(f.decoder.finish(3 * kMillisecond).measurement.encoder_steps == 2);
+
+  SUBCASE("one joint's frame is lost") {
+    f.decoder.accept(f.rig.make("Encoder1", 4 * kMillisecond, {}));
+    f.rig.make("Encoder2", 4 * kMillisecond, {});
+    CHECK(f.decoder.finish(4 * kMillisecond).measurement.encoder_steps == 0);
+    f.encoders(5 * kMillisecond, 0.0, 0.0);
+    CHECK(f.decoder.finish(5 * kMillisecond).measurement.encoder_steps == 2);
+    CHECK(f.statistics("Encoder2").lost == 1);
+    CHECK(f.statistics("Encoder1").lost == 0);
+  }
+  SUBCASE("the tick falls between the two encoders' frames, for a while") {
+    int total = 0;
+    for (std::int64_t t = 4; t < 104; ++t) {
+      f.decoder.accept(f.rig.make("Encoder1", t * kMillisecond, {}));
+      if (t > 4) {
+        const int steps = f.decoder.finish(t * kMillisecond).measurement.encoder_steps;
+        CHECK(steps == 1);
+        total += steps;
+      }
+      f.decoder.accept(f.rig.make("Encoder2", t * kMillisecond, {}));
+    }
+    total += f.decoder.finish(104 * kMillisecond).measurement.encoder_steps;
+    f.encoders(104 * kMillisecond, 0.0, 0.0);
+    total += f.decoder.finish(105 * kMillisecond).measurement.encoder_steps;
+    CHECK(total == 101);
+  }
+  SUBCASE("silence longer than the counter's turn shows on the clock") {
+    for (int i = 0; i < 700; ++i) {
+      f.rig.make("Encoder1", 0, {});
+      f.rig.make("Encoder2", 0, {});
+    }
+    f.encoders(704 * kMillisecond, 0.0, 0.0);
+    CHECK(f.decoder.finish(704 * kMillisecond).measurement.encoder_steps == 701);
+    CHECK(f.statistics("Encoder1").lost == 700);
+    CHECK(f.statistics("Encoder1").late == 1);
+  }
+  SUBCASE("a restarted encoder's counter does not make later samples look old") {
+    for (int i = 0; i < 57; ++i)
+      f.rig.make("Encoder2", 0, {});
+    f.encoders(4 * kMillisecond, 0.0, 0.0);
+    CHECK(f.decoder.finish(4 * kMillisecond).measurement.encoder_steps == 1);
+    f.encoders(5 * kMillisecond, 0.0, 0.0);
+    CHECK(f.decoder.finish(5 * kMillisecond).measurement.encoder_steps == 1);
+    f.decoder.accept(f.rig.make("Encoder1", 6 * kMillisecond, {}));
+    CHECK(f.decoder.finish(6 * kMillisecond).measurement.encoder_steps == 0);
+  }
+}
+
+TEST_CASE("without counters the periods come from the bus stamps, and a set clock does not disturb them") {
+  BusMap map = test::rigMap();
+  map.protections.clear();
+  Fixture f(map);
+  f.encoders(0, 0.0, 0.0);
+  f.decoder.finish(0);
+  const std::array<std::int64_t, 4> times_us = {1100, 1900, 5050, 6000};
+  const std::array<int, 4> steps = {1, 1, 3, 1};
+  for (std::size_t i = 0; i < times_us.size(); ++i) {
+    f.encoders(times_us[i] * 1000, 0.0, 0.0);
+    CHECK(f.decoder.finish(times_us[i] * 1000).measurement.encoder_steps == steps[i]);
+  }
+  for (const char* name : {"Encoder1", "Encoder2"}) {
+    Frame frame = f.rig.make(name, 7 * kMillisecond, {});
+    frame.wall_ns += 3'600'000'000'000;
+    f.decoder.accept(frame);
+  }
+  CHECK(f.decoder.finish(7 * kMillisecond).measurement.encoder_steps == 1);
+}
+
+TEST_CASE("a frame that is corrupt, repeated or out of range changes no input") {
+  Fixture f;
+  f.encoders(0, 0.5, 0.5);
+  f.others(0);
+  f.decoder.finish(0);
+
+  Frame corrupt = f.rig.make("Encoder1", kMillisecond, {{"Position", 0.6}});
+  corrupt.data[0] ^= 1;
+  f.decoder.accept(corrupt);
+  Reading reading = f.decoder.finish(kMillisecond);
+  CHECK(reading.measurement.position_rad[0] == doctest::Approx(0.5));
+  CHECK(f.statistics("Encoder1").corrupt == 1);
+
+  Frame late = f.rig.make("Emg", kMillisecond, {{"Channel1", 0.9}});
+  f.decoder.accept(late);
+  f.decoder.accept(late);
+  CHECK(f.statistics("Emg").repeated == 1);
+  CHECK(f.statistics("Emg").used == 2);
+
+  Frame echo = f.rig.make("Encoder1", kMillisecond, {{"Position", 0.7}});
+  echo.own = true;
+  f.decoder.accept(echo);
+  Frame unknown = echo;
+  unknown.own = false;
+  unknown.id = 0x555;
+  f.decoder.accept(unknown);
+  reading = f.decoder.finish(kMillisecond);
+  CHECK(reading.measurement.position_rad[0] == doctest::Approx(0.5));
+  CHECK(f.decoder.unknownFrames() == 1);
+  CHECK_FALSE(reading.faults.any());
+}
+
+TEST_CASE("positions that no leg can reach or jump to are refused, then reported") {
+  BusMap map = test::rigMap();
+  map.position_min_rad = -2.0;
+  map.position_max_rad = 2.0;
+  map.position_jump_rad = 0.02;
+  map.tolerated_bad_frames = 2;
+  map.encoder_timeout_s = 0.5;
+  Fixture f(map);
+  f.encoders(0, 0.0, 0.0);
+  f.decoder.finish(0);
+  f.encoders(1 * kMillisecond, 0.019, 0.0);
+  CHECK(f.decoder.finish(1 * kMillisecond).measurement.position_rad[0] == doctest::Approx(0.019));
+  // Two periods have gone by since the last sample that was used, so the leg may have gone twice as far.
+  f.encoders(2 * kMillisecond, 0.5, 0.0);
+  f.encoders(3 * kMillisecond, 0.058, 0.0);
+  Reading reading = f.decoder.finish(3 * kMillisecond);
+  CHECK(reading.measurement.position_rad[0] == doctest::Approx(0.058));
+  CHECK_FALSE(reading.faults.any());
+  CHECK(f.statistics("Encoder1").out_of_range == 1);
+
+  for (std::int64_t t = 4; t < 7; ++t) {
+    CHECK_FALSE(f.decoder.finish(t * kMillisecond).faults.has(Fault::kEncoderImplausible));
+    f.encoders(t * kMillisecond, 2.5, 0.0);
+  }
+  reading = f.decoder.finish(7 * kMillisecond);
+  CHECK(reading.faults.has(Fault::kEncoderImplausible));
+  CHECK(reading.measurement.position_rad[0] == doctest::Approx(0.058));
+  f.encoders(8 * kMillisecond, 0.06, 0.0);
+  CHECK_FALSE(f.decoder.finish(8 * kMillisecond).faults.has(Fault::kEncoderImplausible));
+}
+
+TEST_CASE("after a silence the leg may stand anywhere") {
+  BusMap map = test::rigMap();
+  map.position_jump_rad = 0.02;
+  Fixture f(map);
+  f.encoders(0, 0.0, 0.0);
+  f.encoders(20 * kMillisecond, 1.0, 1.0);
+  CHECK(f.decoder.finish(20 * kMillisecond).measurement.position_rad[0] == doctest::Approx(1.0));
+}
+
+TEST_CASE("each group has its own timeout, and silence releases the operator's buttons") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  f.others(0);
+  CHECK_FALSE(f.decoder.finish(5 * kMillisecond).faults.any());
+  Reading reading = f.decoder.finish(6 * kMillisecond);
+  CHECK(reading.faults.has(Fault::kEncoderStale));
+  CHECK_FALSE(reading.faults.has(Fault::kDriveStale));
+  reading = f.decoder.finish(21 * kMillisecond);
+  CHECK(reading.faults.has(Fault::kDriveStale));
+  CHECK_FALSE(reading.faults.has(Fault::kEmgStale));
+  reading = f.decoder.finish(51 * kMillisecond);
+  CHECK(reading.faults.has(Fault::kEmgStale));
+  CHECK(reading.measurement.operator_enable);
+  reading = f.decoder.finish(501 * kMillisecond);
+  CHECK_FALSE(reading.measurement.operator_enable);
+  CHECK_FALSE(reading.measurement.operator_reset);
+
+  f.encoders(501 * kMillisecond, 0.0, 0.0);
+  CHECK_FALSE(f.decoder.finish(501 * kMillisecond).faults.has(Fault::kEncoderStale));
+}
+
+TEST_CASE("one joint's encoder alone going silent is stale") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  f.decoder.accept(f.rig.make("Encoder1", 6 * kMillisecond, {}));
+  CHECK(f.decoder.finish(6 * kMillisecond).faults.has(Fault::kEncoderStale));
+}
+
+TEST_CASE("bad frames are tolerated up to the configured number in a row") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  f.others(0);
+  f.decoder.finish(0);
+  SUBCASE("corrupt") {
+    for (int i = 1; i <= 4; ++i) {
+      CHECK_FALSE(f.decoder.finish(0).faults.has(Fault::kFrameCorrupt));
+      Frame frame = f.rig.make("DriveStatus", 0, {});
+      frame.data[3] ^= 0x40;
+      f.decoder.accept(frame);
+    }
+    CHECK(f.decoder.finish(0).faults.has(Fault::kFrameCorrupt));
+    f.others(0);
+    CHECK_FALSE(f.decoder.finish(0).faults.has(Fault::kFrameCorrupt));
+  }
+  SUBCASE("repeated") {
+    const Frame frame = f.rig.make("Emg", 0, {});
+    f.decoder.accept(frame);
+    for (int i = 1; i <= 4; ++i) {
+      CHECK_FALSE(f.decoder.finish(0).faults.has(Fault::kFrameSequence));
+      f.decoder.accept(frame);
+    }
+    CHECK(f.decoder.finish(0).faults.has(Fault::kFrameSequence));
+  }
+  SUBCASE("the drive's own fault") {
+    f.decoder.accept(f.rig.make("DriveStatus", 0, {{"Fault", 3}}));
+    CHECK(f.decoder.finish(0).faults.has(Fault::kDriveFault));
+    f.decoder.accept(f.rig.make("DriveStatus", 0, {{"Fault", 0}}));
+    CHECK_FALSE(f.decoder.finish(0).faults.has(Fault::kDriveFault));
+  }
+}
+
+TEST_CASE("what cannot be bound is named together with what exists") {
+  const Database database = test::rigDatabase();
+  const auto why = [&](BusMap map, int joints = 2) -> std::string {
+    try {
+      MeasurementDecoder decoder(database, map, joints);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  BusMap map = test::rigMap();
+  map.bindings[0].input = "position";
+  CHECK(
+      why(map).starts_with("input 'position' is unknown; there are: position_rad.<number>, velocity_rad_s"));
+  map = test::rigMap();
+  map.bindings[0].input = "position_rad.3";
+  CHECK(why(map) == "input 'position_rad.3' needs a number from 1 to 2 after the dot");
+  map.bindings[0].input = "position_rad";
+  CHECK(why(map) == "input 'position_rad' needs a number from 1 to 2 after the dot");
+  map = test::rigMap();
+  map.bindings[0].message = "Encoder";
+  CHECK(why(map).find("position_rad.1': ") != std::string::npos);
+  CHECK(why(map).find("no message 'Encoder'; there are: TorqueCommand") != std::string::npos);
+  map = test::rigMap();
+  map.bindings[0].signal = "Angle";
+  CHECK(why(map) ==
+        "input 'position_rad.1': message 'Encoder1' has no signal 'Angle'; there are: Position, Velocity, "
+        "Counter, Crc");
+  map = test::rigMap();
+  map.bindings.erase(map.bindings.begin() + 2);
+  CHECK(why(map) == "no signal is bound to input 'position_rad.2'");
+  map = test::rigMap();
+  map.bindings.erase(map.bindings.begin() + 1);
+  CHECK(why(map).find("'velocity_rad_s' is bound for some joints and not for others") != std::string::npos);
+  map = test::rigMap();
+  map.bindings.push_back(map.bindings[0]);
+  CHECK(why(map) == "input 'position_rad.1' is bound twice");
+  map = test::rigMap();
+  map.protections[0].message = "Encoder9";
+  CHECK(why(map).find("no message 'Encoder9'") != std::string::npos);
+  map = test::rigMap();
+  map.encoder_timeout_s = 0.0;
+  CHECK(why(map).starts_with("encoder_timeout_s is 0"));
+  CHECK(why(test::rigMap(), 3).starts_with("number of joints is 3"));
+}
