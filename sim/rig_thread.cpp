@@ -5,7 +5,7 @@
 namespace patella::sim {
 namespace {
 
-constexpr std::size_t kFramesToLoop = 1024;
+constexpr std::size_t kFramesToLoop = 4096;
 constexpr std::size_t kFramesToRig = 256;
 
 }  // namespace

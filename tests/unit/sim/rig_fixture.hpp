@@ -36,11 +36,11 @@ inline RigOptions paperRig() {
 class CommandPen {
  public:
   can::Frame write(double first_Nm, double second_Nm, bool enable = true) {
-    return message_.encode({first_Nm, second_Nm, enable ? 1.0 : 0.0});
+    return message_.make({first_Nm, second_Nm, enable ? 1.0 : 0.0});
   }
 
  private:
-  RigMessage message_{rigDatabase(), "TorqueCommand", {"Torque1", "Torque2", "Enable"}};
+  OutgoingMessage message_{rigDatabase(), "TorqueCommand", {"Torque1", "Torque2", "Enable"}};
 };
 
 inline std::vector<can::Frame> drain(Rig& rig) {
