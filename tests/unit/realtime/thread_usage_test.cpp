@@ -12,7 +12,7 @@ namespace {
 
 using patella::app::ThreadUsage;
 
-constexpr std::size_t kPages = 64;
+constexpr std::size_t kPages = 2048;  // far more than making a thread touches
 
 /// Touches fresh pages; 0 when they could not be had.
 std::uint64_t touchFreshPages() {
