@@ -26,6 +26,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     -Wno-maybe-uninitialized -Wno-null-dereference -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
 endif()
 
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # doctest's __COUNTER__ is an extension to clang 22.
+  target_compile_options(patella_settings INTERFACE -Wno-unknown-warning-option -Wno-c2y-extensions)
+endif()
+
 set(PATELLA_SANITIZER "" CACHE STRING "address (with undefined), thread, realtime, or empty")
 set_property(CACHE PATELLA_SANITIZER PROPERTY STRINGS "" address thread realtime)
 if(PATELLA_SANITIZER STREQUAL "address")

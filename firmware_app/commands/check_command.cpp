@@ -1,0 +1,59 @@
+#include "firmware_app/commands/check_command.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "drivers/can/command_encoder.hpp"
+#include "drivers/can/measurement_decoder.hpp"
+#include "firmware_app/realtime/host_readiness.hpp"
+
+namespace patella::app {
+namespace {
+
+void line(bool ok, bool required, const std::string& name, const std::string& text) {
+  fmt::print("  {:<9}{:<24}{}\n", ok ? "ok" : required ? "MISSING" : "advice", name, text);
+}
+
+}  // namespace
+
+bool checkRun(const RunConfig& config, bool require_rt) {
+  // Loading has checked every value; building shows that the parts fit each other.
+  const auto tick = makeTick(config);
+  const can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
+  const can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  if (config.backend.kind == BackendKind::kSim) {
+    makeRig(config);
+  }
+  fmt::print("configuration\n");
+  line(true, true, "configuration", config.path.string());
+  line(true, true, "model",
+       fmt::format("{}: {} joints, {} effects", config.model_path.string(), tick->joints(),
+                   config.model.effects.size()));
+  line(true, true, "bus",
+       fmt::format("{}: {} messages, {} of them read", config.bus.dbc_path.string(),
+                   config.bus.database.messages.size(), decoder.messageCount()));
+  line(true, true, "weights",
+       config.weights ? config.weights_path.string() : "none: the sampler alone estimates");
+
+  HostNeeds needs;
+  needs.priority = config.realtime.priority;
+  needs.cpus = config.realtime.cpus;
+  needs.bitrate = config.can_bitrate;
+  if (config.backend.kind == BackendKind::kCan) {
+    needs.can_interface = config.backend.target;
+    needs.gpio_chip = config.gpio ? config.gpio->chip : "";
+  }
+  fmt::print("host\n");
+  const std::vector<Finding> findings = hostReadiness(needs);
+  for (const Finding& finding : findings) {
+    line(finding.ok, finding.required, finding.name, finding.found);
+    if (!finding.ok) {
+      fmt::print("           {:<24}expected {}; {}\n", "", finding.expected, finding.fix);
+    }
+  }
+  const bool ready = allRequiredOk(findings);
+  fmt::print("the configuration is sound; the host {}\n",
+             ready ? "is ready" : "lacks what is marked MISSING, so the loop would run degraded");
+  return ready || !require_rt;
+}
+
+}  // namespace patella::app

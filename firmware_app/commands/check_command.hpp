@@ -1,0 +1,12 @@
+// `patella check`: is this configuration sound, and is this machine fit for it?
+#pragma once
+
+#include "firmware_app/configuration/run_config.hpp"
+
+namespace patella::app {
+
+/// Prints what was checked and what to fix. True when the configuration and every file it names are sound;
+/// with `require_rt`, when the host also has everything required.
+bool checkRun(const RunConfig& config, bool require_rt);
+
+}  // namespace patella::app

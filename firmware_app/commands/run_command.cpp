@@ -1,0 +1,170 @@
+#include "firmware_app/commands/run_command.hpp"
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "drivers/can/command_encoder.hpp"
+#include "drivers/can/measurement_decoder.hpp"
+#include "drivers/can/replay_bus.hpp"
+#include "drivers/can/socketcan_bus.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/recorder.hpp"
+#include "firmware_app/recorder/run_summary.hpp"
+#include "sim/rig_thread.hpp"
+#include "sim/simulated_bus.hpp"
+
+namespace patella::app {
+namespace {
+
+constexpr auto kProgressPeriod = std::chrono::milliseconds(500);
+// Instant zero of virtual time in logs: 2001-09-09T01:46:40Z, ten digits as every later stamp has.
+constexpr std::int64_t kVirtualEpoch_ns = 1'000'000'000'000'000'000;
+
+std::unique_ptr<Clock> makeClock(const RunConfig& config) {
+  if (config.clock == ClockKind::kVirtual) {
+    return std::make_unique<VirtualClock>(kVirtualEpoch_ns);
+  }
+  return std::make_unique<MonotonicClock>();
+}
+
+std::unique_ptr<gpio::Pins> makePins(const RunConfig& config) {
+  if (config.gpio && config.backend.kind == BackendKind::kCan) {
+    return std::make_unique<gpio::GpiodPins>(*config.gpio);
+  }
+  return std::make_unique<gpio::SimulatedPins>();
+}
+
+// The bus with whatever lives behind it.
+struct BusBackend {
+  std::unique_ptr<sim::Rig> rig;
+  std::unique_ptr<can::Bus> bus;
+  sim::RigThread* rig_thread = nullptr;
+  const can::ReplayBus* replay = nullptr;
+  std::string channel = "sim0";
+};
+
+BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, Clock& clock) {
+  BusBackend backend;
+  switch (config.backend.kind) {
+    case BackendKind::kCan:
+      backend.bus = std::make_unique<can::SocketCanBus>(config.backend.target);
+      backend.channel = config.backend.target;
+      break;
+    case BackendKind::kReplay: {
+      auto replay = std::make_unique<can::ReplayBus>(
+          config.backend.target,
+          can::ReplayOptions{.command_id = encoder.id(), .command_extended = encoder.extended()});
+      backend.replay = replay.get();
+      backend.bus = std::move(replay);
+      break;
+    }
+    case BackendKind::kSim:
+      backend.rig = makeRig(config);
+      if (config.clock == ClockKind::kVirtual) {
+        backend.bus = std::make_unique<sim::SimulatedBus>(*backend.rig, clock);
+      } else {
+        auto thread = std::make_unique<sim::RigThread>(*backend.rig, clock);
+        backend.rig_thread = thread.get();
+        backend.bus = std::move(thread);
+      }
+      break;
+  }
+  return backend;
+}
+
+// Runs the loop on a thread of its own, which alone becomes a real-time one, and shows progress meanwhile.
+std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, const Recorder& recorder,
+                                           const std::atomic<bool>& stop) {
+  std::unique_ptr<RealtimeSetup> setup;
+  std::exception_ptr failure;
+  std::atomic<bool> finished{false};
+  std::thread thread([&] {
+    try {
+      RealtimeOptions options = config.realtime;
+      if (config.clock == ClockKind::kVirtual) {
+        // Nothing waits for it, and at a real-time priority it would keep the recorder from running.
+        options.priority = 0;
+        options.require_rt = false;
+      }
+      setup = std::make_unique<RealtimeSetup>(options);
+      loop.run(stop);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    finished.store(true, std::memory_order_release);
+  });
+
+  const bool on_terminal = isatty(STDERR_FILENO) == 1;
+  while (!finished.load(std::memory_order_acquire)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    static auto shown = std::chrono::steady_clock::now();
+    if (on_terminal && std::chrono::steady_clock::now() - shown > kProgressPeriod) {
+      shown = std::chrono::steady_clock::now();
+      const double time_s = static_cast<double>(recorder.writtenTicks()) / config.loop.rate_Hz;
+      fmt::print(stderr, "\r  t = {:8.1f} s{}", time_s,
+                 config.duration_s > 0.0 ? fmt::format(" of {:.1f} s ", config.duration_s) : " ");
+    }
+  }
+  thread.join();
+  if (on_terminal) {
+    fmt::print(stderr, "\r{:40}\r", "");
+  }
+  if (failure) {
+    std::rethrow_exception(failure);
+  }
+  return setup;
+}
+
+}  // namespace
+
+RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
+                  const std::atomic<bool>& stop) {
+  const auto clock = makeClock(config);
+  const auto tick = makeTick(config);
+  can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
+  can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  const BusBackend backend = makeBus(config, encoder, *clock);
+  const auto pins = makePins(config);
+  Recorder recorder({.folder = folder,
+                     .channel = backend.channel,
+                     .joints = config.model.joints(),
+                     .lossless = config.clock == ClockKind::kVirtual});
+  Loop loop(config.loop, *clock, *backend.bus, *pins, decoder, encoder, *tick, &recorder);
+
+  if (backend.rig_thread != nullptr) {
+    backend.rig_thread->start();
+  }
+  const auto setup = runOnThread(loop, config, recorder, stop);
+  if (backend.rig_thread != nullptr) {
+    backend.rig_thread->stop();
+  }
+  recorder.close();
+
+  const bool wall_clock = config.clock == ClockKind::kMonotonic;
+  nlohmann::ordered_json summary = summarise(config, loop.statistics(), backend.bus->statistics(), decoder,
+                                             recorder, wall_clock ? &setup->report() : nullptr);
+  if (backend.replay != nullptr) {
+    summary["replay"] = {{"recorded_commands", backend.replay->recordedCommands()},
+                         {"different_commands", backend.replay->commandMismatches()}};
+  }
+  writeFile(folder / "summary.json", summary.dump(2) + "\n");
+  fmt::print("{}", summaryText(summary));
+  fmt::print("  files in {}\n", folder.string());
+
+  if (!recorder.error().empty()) {
+    spdlog::error("recording failed: {}", recorder.error());
+    return RunStatus::kRecordingFailed;
+  }
+  const safety::State state = loop.statistics().final_state;
+  return state == safety::State::kFault || state == safety::State::kLimited ? RunStatus::kStopped
+                                                                            : RunStatus::kOk;
+}
+
+}  // namespace patella::app

@@ -1,0 +1,211 @@
+#include "firmware_app/configuration/run_config.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "core/estimation/implicit_sampler.hpp"
+#include "core/estimation/printed_sampler.hpp"
+#include "firmware_app/configuration/rig_config.hpp"
+#include "firmware_app/configuration/tick_config.hpp"
+#include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
+
+namespace patella::app {
+namespace {
+
+constexpr Range kRate{.minimum = 50.0, .maximum = 20000.0};
+constexpr Range kDuration{.minimum = 0.0, .maximum = 1e7};
+constexpr int kMaxCpu = 1023;
+
+void readLoop(const TomlTable& table, RunConfig& config) {
+  config.loop.rate_Hz = table.number("rate_Hz", kRate, config.loop.rate_Hz);
+  config.duration_s = table.number("duration_s", kDuration, config.duration_s);
+  config.clock =
+      table.choice("clock", std::vector<std::string>{"monotonic", "virtual"}, "monotonic") == "virtual"
+          ? ClockKind::kVirtual
+          : ClockKind::kMonotonic;
+  config.loop.warmup_ticks =
+      static_cast<int>(table.integer("warmup_ticks", 1, 100000, config.loop.warmup_ticks));
+  config.loop.shutdown_frames =
+      static_cast<int>(table.integer("shutdown_frames", 3, 1000, config.loop.shutdown_frames));
+}
+
+void readRealtime(const TomlTable& table, RunConfig& config) {
+  RealtimeOptions& r = config.realtime;
+  r.priority = static_cast<int>(table.integer("priority", 0, 99, r.priority));
+  const std::vector<double> none;
+  for (const double cpu :
+       table.numbers("cpus", CountRange{0, kMaxCpu + 1}, Range{.minimum = 0.0, .maximum = kMaxCpu}, none)) {
+    r.cpus.push_back(static_cast<int>(cpu));
+  }
+  r.lock_memory = table.boolean("lock_memory", r.lock_memory);
+  r.cpu_dma_latency_us =
+      static_cast<int>(table.integer("cpu_dma_latency_us", -1, 100000, r.cpu_dma_latency_us));
+}
+
+void readGpio(const TomlTable& table, RunConfig& config) {
+  if (!table.present()) {
+    return;
+  }
+  gpio::GpiodPinsOptions options;
+  constexpr int kMaxLine = 1023;
+  options.chip = table.string("chip");
+  const auto line = [&](const char* key) {
+    return static_cast<int>(
+        table.integer(key, gpio::GpiodPinsOptions::kNotWired, kMaxLine, gpio::GpiodPinsOptions::kNotWired));
+  };
+  options.emergency_stop_line = line("emergency_stop_line");
+  options.drive_enable_line = line("drive_enable_line");
+  options.heartbeat_line = line("heartbeat_line");
+  options.emergency_stop_active_low = table.boolean("emergency_stop_active_low", true);
+  const std::string bias = table.choice(
+      "emergency_stop_bias", std::vector<std::string>{"as_is", "pull_up", "pull_down"}, "pull_down");
+  options.emergency_stop_bias = bias == "as_is"     ? gpio::Bias::kAsIs
+                                : bias == "pull_up" ? gpio::Bias::kPullUp
+                                                    : gpio::Bias::kPullDown;
+  config.gpio = options;
+}
+
+void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
+  if (command_line.backend) {
+    config.backend = parseBackend(*command_line.backend);
+  }
+  if (command_line.clock) {
+    config.clock = parseClock(*command_line.clock);
+  }
+  if (command_line.duration_s) {
+    if (!kDuration.contains(*command_line.duration_s)) {
+      throw std::invalid_argument("--duration: value " + std::to_string(*command_line.duration_s) +
+                                  ", expected seconds " + kDuration.text());
+    }
+    config.duration_s = *command_line.duration_s;
+  }
+  if (command_line.rate_Hz) {
+    if (!kRate.contains(*command_line.rate_Hz)) {
+      throw std::invalid_argument("--rate: value " + std::to_string(*command_line.rate_Hz) +
+                                  ", expected a rate in Hz " + kRate.text());
+    }
+    config.loop.rate_Hz = *command_line.rate_Hz;
+  }
+  config.realtime.require_rt = command_line.require_rt;
+}
+
+// What a constructor refuses was written in the configuration.
+template <typename Make>
+auto located(const std::filesystem::path& path, Make&& make) {
+  try {
+    return make();
+  } catch (const std::invalid_argument& error) {
+    throw FileError(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+Backend parseBackend(const std::string& text) {
+  if (text == "sim") {
+    return {BackendKind::kSim, ""};
+  }
+  for (const auto& [prefix, kind] :
+       {std::pair{"can:", BackendKind::kCan}, std::pair{"replay:", BackendKind::kReplay}}) {
+    const std::string start = prefix;
+    if (text.starts_with(start) && text.size() > start.size()) {
+      return {kind, text.substr(start.size())};
+    }
+  }
+  throw std::invalid_argument("backend '" + text + "', expected sim, can:INTERFACE or replay:LOG");
+}
+
+ClockKind parseClock(const std::string& text) {
+  if (text == "monotonic") {
+    return ClockKind::kMonotonic;
+  }
+  if (text == "virtual") {
+    return ClockKind::kVirtual;
+  }
+  throw std::invalid_argument("clock '" + text + "', expected monotonic or virtual");
+}
+
+RunConfig loadRunConfig(const CommandLine& command_line) {
+  const TomlDocument document = TomlDocument::load(command_line.config);
+  const TomlTable& root = document.root();
+  RunConfig config;
+  config.path = command_line.config;
+
+  readLoop(root.optionalTable("loop"), config);
+  readRealtime(root.optionalTable("realtime"), config);
+  readGpio(root.optionalTable("gpio"), config);
+  const TomlTable bus = root.table("bus");
+  const std::string backend = bus.string("backend", "sim");
+  try {
+    config.backend = parseBackend(backend);
+  } catch (const std::invalid_argument&) {
+    throw bus.error("backend", "value '" + backend + "', expected sim, can:INTERFACE or replay:LOG");
+  }
+  config.bus_map_path = bus.path("map");
+  config.can_bitrate = static_cast<std::uint32_t>(bus.integer("bitrate_bit_s", 0, 8'000'000, 0));
+  applyCommandLine(command_line, config);
+
+  config.model_path = root.path("model");
+  if (command_line.model) {
+    config.model_path = *command_line.model;
+  }
+  config.model = loadModel(config.model_path);
+  config.bus = loadBusDescription(config.bus_map_path);
+  if (root.has("weights")) {
+    config.weights_path = root.path("weights");
+  }
+  if (command_line.weights) {
+    config.weights_path = *command_line.weights;
+  }
+  if (!config.weights_path.empty()) {
+    config.weights = loadNetworkWeights(config.weights_path);
+  }
+  readTickConfig(root, config);
+  readRigConfig(root.optionalTable("rig"), config);
+  if (command_line.seed) {
+    config.rig.seed = *command_line.seed;
+  }
+  document.finish();
+
+  // A log holds its own time: it is played as fast as the machine allows.
+  if (config.backend.kind == BackendKind::kReplay) {
+    config.clock = ClockKind::kVirtual;
+  }
+  if (config.backend.kind == BackendKind::kCan && config.clock == ClockKind::kVirtual) {
+    throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +
+                                ", expected monotonic: a bus does not wait");
+  }
+  config.loop.max_ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.loop.rate_Hz));
+  return config;
+}
+
+std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
+  return located(config.path, [&] {
+    std::unique_ptr<estimation::Observer> observer;
+    if (config.observer == ObserverKind::kImplicitSampler) {
+      observer = std::make_unique<estimation::ImplicitSampler>(config.sampler);
+    } else {
+      observer = std::make_unique<estimation::PrintedSampler>(config.sampler);
+    }
+    std::unique_ptr<network::AttentionLstm> network;
+    std::vector<std::string> features;
+    auto output = network::OutputKind::kAcceleration;
+    if (config.weights) {
+      network = std::make_unique<network::AttentionLstm>(*config.weights);
+      features = config.weights->features;
+      output = config.weights->output;
+    }
+    return std::make_unique<tick::Tick>(config.tick, makeModel(config.model), std::move(observer),
+                                        std::move(network), features, output);
+  });
+}
+
+std::unique_ptr<sim::Rig> makeRig(const RunConfig& config) {
+  return located(config.path, [&] {
+    return std::make_unique<sim::Rig>(config.rig, makeModel(config.rig_model), makeModel(config.model),
+                                      config.bus.database);
+  });
+}
+
+}  // namespace patella::app

@@ -1,0 +1,87 @@
+// Everything that a run is told: the configuration file with the files it names, and what the command line
+// overrides.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/estimation/sampler_parameters.hpp"
+#include "core/network/network_weights.hpp"
+#include "core/tick/tick.hpp"
+#include "drivers/gpio/gpiod_pins.hpp"
+#include "firmware_app/configuration/bus_map_file.hpp"
+#include "firmware_app/files/model_file.hpp"
+#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/realtime/realtime_setup.hpp"
+#include "sim/rig.hpp"
+
+namespace patella::app {
+
+enum class BackendKind { kSim, kCan, kReplay };
+
+/// "sim", "can:IFACE" or "replay:LOG".
+struct Backend {
+  BackendKind kind = BackendKind::kSim;
+  std::string target;  ///< interface or log
+};
+
+/// Throws std::invalid_argument naming the text and what is expected.
+Backend parseBackend(const std::string& text);
+
+enum class ClockKind { kMonotonic, kVirtual };
+/// Throws std::invalid_argument naming the text and what is expected.
+ClockKind parseClock(const std::string& text);
+
+enum class ObserverKind { kImplicitSampler, kPrintedSampler };
+
+/// Wins over the file where set.
+struct CommandLine {
+  std::filesystem::path config;
+  std::optional<std::string> backend;
+  std::optional<std::string> clock;
+  std::optional<double> duration_s;
+  std::optional<double> rate_Hz;
+  std::optional<std::filesystem::path> weights;
+  std::optional<std::filesystem::path> model;
+  std::optional<std::uint64_t> seed;
+  bool require_rt = false;
+};
+
+struct RunConfig {
+  std::filesystem::path path;
+  std::filesystem::path model_path;
+  std::filesystem::path rig_model_path;
+  std::filesystem::path bus_map_path;
+  std::filesystem::path weights_path;  ///< empty: no network
+
+  Backend backend;
+  ClockKind clock = ClockKind::kMonotonic;
+  double duration_s = 0.0;  ///< 0: until stopped
+  LoopOptions loop;
+  RealtimeOptions realtime;
+  ModelDescription model;
+  BusDescription bus;
+  std::optional<network::NetworkWeights> weights;
+  std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
+  std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any
+  ObserverKind observer = ObserverKind::kImplicitSampler;
+  estimation::SamplerParameters sampler;
+  tick::TickSettings tick;
+  ModelDescription rig_model;  ///< the truth that the simulated rig lives by
+  sim::RigOptions rig;
+};
+
+/// Reads and checks the configuration and every file it names. Throws FileError naming file, line and key, or
+/// std::invalid_argument for a bad argument.
+RunConfig loadRunConfig(const CommandLine& command_line);
+
+/// The tick as configured. Throws FileError naming the configuration file and the setting.
+std::unique_ptr<tick::Tick> makeTick(const RunConfig& config);
+
+/// The simulated rig as configured. Throws FileError likewise.
+std::unique_ptr<sim::Rig> makeRig(const RunConfig& config);
+
+}  // namespace patella::app

@@ -1,0 +1,166 @@
+#include "firmware_app/configuration/tick_config.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/safety/safety_limiter.hpp"
+
+namespace patella::app {
+namespace {
+
+constexpr Range kShare{.minimum = 0.0, .maximum = 1.0};
+constexpr Range kCutoff{.minimum = 0.1, .maximum = 5000.0};
+constexpr double kPi = std::numbers::pi;
+
+JointVector toJointVector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+void readEstimation(const TomlTable& table, RunConfig& config) {
+  const std::string observer = table.choice(
+      "observer", std::vector<std::string>{"implicit_sampler", "printed_sampler"}, "implicit_sampler");
+  config.observer =
+      observer == "printed_sampler" ? ObserverKind::kPrintedSampler : ObserverKind::kImplicitSampler;
+  estimation::SamplerParameters& s = config.sampler;
+  s.k_d = table.number("k_d_1_s", kPositive, s.k_d);
+  s.delta = table.number("delta_rad_s2", kPositive, s.delta);
+  s.epsilon = table.number("epsilon", kPositive, s.epsilon);
+  s.p0 = static_cast<int>(table.integer("p0", 1, 99, s.p0));
+  s.q0 = static_cast<int>(table.integer("q0", 3, 101, s.q0));
+  tick::TickSettings& t = config.tick;
+  t.velocity_cutoff_Hz = table.number("velocity_cutoff_Hz", kCutoff, t.velocity_cutoff_Hz);
+  t.estimate_cutoff_Hz = table.number("estimate_cutoff_Hz", kCutoff, t.estimate_cutoff_Hz);
+}
+
+void readEmg(const TomlTable& table, RunConfig& config) {
+  emg::EmgSettings& e = config.tick.emg;
+  e.rate_Hz = 1.0 / config.bus.map.emg_period_s;
+  e.channels = kMaxEmgChannels;
+  e.bypass = table.boolean("bypass", e.bypass);
+  e.band_low_Hz = table.number("band_low_Hz", kPositive, e.band_low_Hz);
+  e.band_high_Hz = table.number("band_high_Hz", kPositive, e.band_high_Hz);
+  e.mains_Hz = table.number("mains_Hz", Range{.minimum = 0.0, .maximum = 60.0}, e.mains_Hz);
+  e.envelope_Hz = table.number("envelope_Hz", kPositive, e.envelope_Hz);
+  e.twitch_s = table.number("twitch_s", Range{.minimum = 0.0, .maximum = 1.0}, e.twitch_s);
+  const auto channels = CountRange::exactly(kMaxEmgChannels);
+  const std::vector<double> mvc(kMaxEmgChannels, 1.0);
+  const std::vector<double> zero(kMaxEmgChannels, 0.0);
+  const auto mvc_mV = table.numbers("mvc_mV", channels, kPositive, mvc);
+  const auto rest_mV = table.numbers("rest_mV", channels, kNotNegative, zero);
+  const auto shape = table.numbers("shape", channels, Range{.minimum = -3.0, .maximum = 0.0}, zero);
+  const Range gain{.minimum = -emg::EmgTorqueMap::kMaxGain_Nm, .maximum = emg::EmgTorqueMap::kMaxGain_Nm};
+  for (std::size_t i = 0; i < kMaxEmgChannels; ++i) {
+    e.channel[i] = {.mvc_mV = mvc_mV[i], .rest_mV = rest_mV[i], .shape = shape[i]};
+  }
+  for (int joint = 0; joint < config.model.joints(); ++joint) {
+    const auto gains = table.numbers("gain" + std::to_string(joint + 1) + "_Nm", channels, gain, zero);
+    std::copy(gains.begin(), gains.end(), config.tick.emg_gain_Nm[static_cast<std::size_t>(joint)].begin());
+  }
+}
+
+void readControl(const TomlTable& table, RunConfig& config) {
+  control::ControlGains& g = config.tick.gains;
+  const auto joints = static_cast<std::size_t>(config.model.joints());
+  const std::vector<double> zero(joints, 0.0);
+  g.gravity = table.number("gravity", kShare, 0.0);
+  g.model = table.number("model", kShare, 0.0);
+  g.emg = table.number("emg", Range{.minimum = -5.0, .maximum = 5.0}, 0.0);
+  g.compensation = table.number("compensation", kShare, 0.0);
+  g.stiffness_Nm_rad = toJointVector(table.numbers("stiffness_Nm_rad", CountRange::exactly(joints),
+                                                   Range{.minimum = 0.0, .maximum = 10000.0}, zero));
+  g.damping_Nms_rad = toJointVector(table.numbers("damping_Nms_rad", CountRange::exactly(joints),
+                                                  Range{.minimum = 0.0, .maximum = 1000.0}, zero));
+  const std::string source =
+      table.choice("compensation_source", std::vector<std::string>{"none", "sampler", "network"}, "sampler");
+  config.tick.compensation = source == "network"   ? tick::CompensationSource::kNetwork
+                             : source == "sampler" ? tick::CompensationSource::kSampler
+                                                   : tick::CompensationSource::kNone;
+  if (source == "network" && !config.weights) {
+    throw table.error("compensation_source",
+                      "value 'network', expected 'none' or 'sampler' as no weights are given");
+  }
+}
+
+control::JointMotion readMotion(const TomlTable& table) {
+  const Range angle{.minimum = -2.0 * kPi, .maximum = 2.0 * kPi};
+  const std::string motion = table.choice("motion", std::vector<std::string>{"hold", "sinusoid", "move"});
+  if (motion == "sinusoid") {
+    return control::SinusoidMotion{
+        .offset_rad = table.number("offset_rad", angle),
+        .amplitude_rad = table.number("amplitude_rad", Range{.minimum = 0.0, .maximum = kPi}),
+        .frequency_Hz = table.number("frequency_Hz", Range{.minimum = 0.0, .maximum = 20.0}),
+        .phase_rad = table.number("phase_rad", angle, 0.0)};
+  }
+  if (motion == "move") {
+    return control::MoveMotion{
+        .target_rad = table.number("target_rad", angle),
+        .duration_s = table.number("duration_s", Range{.minimum = 0.1, .maximum = 600.0})};
+  }
+  control::HoldMotion hold;
+  if (table.has("position_rad")) {
+    hold.position_rad = table.number("position_rad", angle);
+  }
+  return hold;
+}
+
+void readReference(const TomlTable& table, RunConfig& config) {
+  control::ReferenceSettings& r = config.tick.reference;
+  r.blend_s = table.number("blend_s", Range{.minimum = 0.1, .maximum = 60.0}, r.blend_s);
+  const std::vector<TomlTable> joints = table.tables("joint");
+  const auto expected = static_cast<std::size_t>(config.model.joints());
+  if (!joints.empty() && joints.size() != expected) {
+    throw table.error("joint", std::to_string(joints.size()) + " tables, expected " +
+                                   std::to_string(expected) + ", one for each joint of the model");
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    r.motion[i] = readMotion(joints[i]);
+  }
+}
+
+void readSafety(const TomlTable& table, RunConfig& config) {
+  const auto joints = static_cast<std::size_t>(config.model.joints());
+  const auto perJoint = [&](const char* key, double ceiling) {
+    return table.numbers(key, CountRange::exactly(joints),
+                         Range{.minimum = 0.0, .maximum = ceiling, .minimum_open = true});
+  };
+  const Range angle{.minimum = -safety::kCeilingAngle_rad, .maximum = safety::kCeilingAngle_rad};
+  const auto torque = perJoint("torque_Nm", safety::kCeilingTorque_Nm);
+  const auto rate = perJoint("torque_rate_Nm_s", safety::kCeilingTorqueRate_Nm_s);
+  const auto velocity = perJoint("velocity_rad_s", safety::kCeilingVelocity_rad_s);
+  const auto lower = table.numbers("q_min_rad", CountRange::exactly(joints), angle);
+  const auto upper = table.numbers("q_max_rad", CountRange::exactly(joints), angle);
+  const std::vector<double> margins(joints, safety::JointLimits{}.soft_margin_rad);
+  const auto margin = table.numbers("soft_margin_rad", CountRange::exactly(joints), kNotNegative, margins);
+  safety::SafetyLimits& limits = config.tick.limits;
+  for (std::size_t i = 0; i < joints; ++i) {
+    limits.joint[i] = {.torque_Nm = torque[i],
+                       .torque_rate_Nm_s = rate[i],
+                       .velocity_rad_s = velocity[i],
+                       .q_min_rad = lower[i],
+                       .q_max_rad = upper[i],
+                       .soft_margin_rad = margin[i]};
+  }
+  limits.saturation_timeout_s =
+      table.number("saturation_timeout_s", Range{.minimum = 0.001, .maximum = safety::kCeilingSaturation_s},
+                   limits.saturation_timeout_s);
+  config.tick.healthy_ticks =
+      static_cast<int>(table.integer("healthy_ticks", 1, 10000, config.tick.healthy_ticks));
+  config.loop.overruns_tolerated =
+      static_cast<int>(table.integer("overruns_tolerated", 0, 100, config.loop.overruns_tolerated));
+  config.loop.send_failures_tolerated =
+      static_cast<int>(table.integer("send_failures_tolerated", 0, 100, config.loop.send_failures_tolerated));
+}
+
+}  // namespace
+
+void readTickConfig(const TomlTable& root, RunConfig& config) {
+  config.tick.encoder_period_s = config.bus.map.encoder_period_s;
+  config.tick.period_s = 1.0 / config.loop.rate_Hz;
+  readEstimation(root.optionalTable("estimation"), config);
+  readEmg(root.optionalTable("emg"), config);
+  readControl(root.optionalTable("control"), config);
+  readReference(root.optionalTable("reference"), config);
+  readSafety(root.table("safety"), config);
+}
+
+}  // namespace patella::app

@@ -1,0 +1,258 @@
+#include "firmware_app/loop/loop.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "firmware_app/realtime/allocation_counter.hpp"
+#include "firmware_app/realtime/page_faults.hpp"
+
+namespace patella::app {
+namespace {
+
+constexpr std::size_t kFramesPerTick = 256;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+JointArray toArray(const JointVector& vector) noexcept {
+  JointArray out;
+  out.fill(kUnknown);
+  for (Eigen::Index i = 0; i < vector.size(); ++i) {
+    out[static_cast<std::size_t>(i)] = vector[i];
+  }
+  return out;
+}
+
+}  // namespace
+
+void ErrorStatistics::add(const JointVector& estimate, const JointVector& truth) noexcept {
+  ++count;
+  for (Eigen::Index i = 0; i < truth.size(); ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    const double error = std::abs(estimate[i] - truth[i]);
+    sum[joint] += error;
+    sum_of_squares[joint] += error * error;
+    maximum[joint] = std::max(maximum[joint], error);
+  }
+}
+
+Loop::Loop(const LoopOptions& options, Clock& clock, can::Bus& bus, gpio::Pins& pins,
+           can::MeasurementDecoder& decoder, can::CommandEncoder& encoder, tick::Tick& tick,
+           Recorder* recorder)
+    : options_(options),
+      period_ns_(std::llround(static_cast<double>(kNanosecondsPerSecond) / options.rate_Hz)),
+      clock_(clock),
+      bus_(bus),
+      pins_(pins),
+      decoder_(decoder),
+      encoder_(encoder),
+      tick_(tick),
+      recorder_(recorder),
+      frames_(kFramesPerTick),
+      statistics_(std::make_unique<LoopStatistics>()) {}
+
+void Loop::run(const std::atomic<bool>& stop) noexcept {
+  CountAllocations heap;
+  ThreadUsage usage_at_warm = ThreadUsage::ofThisThread();
+  HeapCounts heap_at_warm = heap.counts();
+
+  // Anchored once and advanced by whole periods: a late tick does not move the ones after it.
+  start_ns_ = clock_.now() + period_ns_;
+  std::int64_t scheduled_ns = start_ns_;
+  std::uint32_t missed = 0;
+  while (!stop.load(std::memory_order_relaxed) && !bus_.exhausted() &&
+         (options_.max_ticks == 0 || statistics_->ticks < options_.max_ticks)) {
+    clock_.sleepUntil(scheduled_ns);
+    tickOnce(scheduled_ns, missed);
+    if (statistics_->ticks == static_cast<std::uint64_t>(options_.warmup_ticks)) {
+      usage_at_warm = ThreadUsage::ofThisThread();
+      heap_at_warm = heap.counts();
+    }
+
+    scheduled_ns += period_ns_;
+    const std::int64_t behind_ns = clock_.now() - scheduled_ns;
+    missed = behind_ns > 0 ? static_cast<std::uint32_t>(behind_ns / period_ns_) : 0U;
+    scheduled_ns += missed * period_ns_;
+    index_ += missed;
+    statistics_->missed_periods += missed;
+  }
+
+  const HeapCounts heap_now = heap.counts();
+  const ThreadUsage usage = ThreadUsage::ofThisThread();
+  statistics_->heap_counted = CountAllocations::available();
+  statistics_->heap_allocations = heap_now.allocations - heap_at_warm.allocations;
+  statistics_->heap_frees = heap_now.frees - heap_at_warm.frees;
+  statistics_->minor_page_faults = usage.minor_faults - usage_at_warm.minor_faults;
+  statistics_->major_page_faults = usage.major_faults - usage_at_warm.major_faults;
+  statistics_->voluntary_switches = usage.voluntary_switches - usage_at_warm.voluntary_switches;
+  statistics_->involuntary_switches = usage.involuntary_switches - usage_at_warm.involuntary_switches;
+  shutDown();
+}
+
+void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
+  const std::int64_t woken_ns = clock_.now();
+  statistics_->wakeup.add(woken_ns - scheduled_ns);
+
+  drainBus(woken_ns);
+  const can::Reading reading = decoder_.finish(woken_ns);
+  const safety::FaultSet faults = reading.faults | hostFaults();
+
+  tick::TickInput input;
+  input.measurement = reading.measurement;
+  input.faults = faults;
+  input.complete = reading.complete;
+  input.time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond);
+  const tick::TickOutput& output = tick_.step(input);
+
+  sendCommand(output.command);
+  heartbeat_ = !heartbeat_;
+  pins_.setHeartbeat(heartbeat_);
+
+  const std::int64_t done_ns = clock_.now();
+  const std::int64_t execution_ns = done_ns - woken_ns;
+  statistics_->execution.add(execution_ns);
+  const bool overrun = done_ns > scheduled_ns + period_ns_;
+  statistics_->overruns += overrun ? 1U : 0U;
+  consecutive_overruns_ = overrun ? consecutive_overruns_ + 1 : 0;
+
+  account(reading.measurement, output);
+  record_.time_s = input.time_s;
+  record_.tick = index_;
+  record_.missed_periods = missed;
+  record_.wakeup_latency_ns = woken_ns - scheduled_ns;
+  record_.execution_ns = execution_ns;
+  record(reading.measurement, output);
+
+  // Phase two: what the next tick can have ready before its frame arrives.
+  tick_.prepareNext();
+  ++index_;
+}
+
+void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  const std::size_t count = bus_.receive(frames_, now_ns);
+  for (std::size_t i = 0; i < count; ++i) {
+    const can::Frame& frame = frames_[i];
+    if (frame.own) {
+      continue;
+    }
+    decoder_.accept(frame);
+    if (recorder_ != nullptr) {
+      recorder_->frame(frame);
+    }
+  }
+}
+
+safety::FaultSet Loop::hostFaults() noexcept PATELLA_NONBLOCKING {
+  safety::FaultSet faults;
+  if (pins_.emergencyStop()) {
+    faults.add(safety::Fault::kEmergencyStop);
+  }
+  if (bus_.down()) {
+    faults.add(safety::Fault::kBusOff);
+  }
+  if (consecutive_send_failures_ > options_.send_failures_tolerated) {
+    faults.add(safety::Fault::kSendFailed);
+  }
+  if (consecutive_overruns_ > options_.overruns_tolerated) {
+    faults.add(safety::Fault::kOverrun);
+  }
+  return faults;
+}
+
+void Loop::sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING {
+  can::Frame frame = encoder_.encode(command);
+  const can::SendResult result = bus_.send(frame, clock_.now());
+  consecutive_send_failures_ = result == can::SendResult::kSent ? 0 : consecutive_send_failures_ + 1;
+  sent_wall_ns_ = result == can::SendResult::kSent ? frame.wall_ns : 0;
+  // The enable line follows the command only when the drive could be told.
+  pins_.setDriveEnable(command.enable && result == can::SendResult::kSent);
+  if (recorder_ != nullptr && result == can::SendResult::kSent) {
+    recorder_->frame(frame);
+  }
+}
+
+void Loop::account(const Measurement& measurement,
+                   const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING {
+  LoopStatistics& s = *statistics_;
+  ++s.ticks;
+  ++s.state_ticks[static_cast<std::size_t>(output.state)];
+  s.final_state = output.state;
+  s.latched = output.latched;
+  s.stops += output.entered_stop ? 1U : 0U;
+  for (int i = 0; i < safety::kFaultCount; ++i) {
+    const auto fault = static_cast<safety::Fault>(i);
+    if (output.faults.has(fault)) {
+      ++s.fault_ticks[static_cast<std::size_t>(i)];
+      s.fault_events[static_cast<std::size_t>(i)] += previous_faults_.has(fault) ? 0U : 1U;
+    }
+  }
+  previous_faults_ = output.faults;
+  const auto [hip, knee] = output.limits;
+  s.limit_ticks += hip.any() || knee.any() ? 1U : 0U;
+  if (output.command.torque_Nm.size() > 0) {
+    s.max_torque_Nm = std::max(s.max_torque_Nm, output.command.torque_Nm.cwiseAbs().maxCoeff());
+  }
+  if (measurement.has_truth && output.estimated) {
+    s.sampler_error.add(output.f_s, measurement.true_f_u);
+    if (output.has_network) {
+      s.network_error.add(output.f_network, measurement.true_f_u);
+    }
+  }
+  if (output.state == safety::State::kActive) {
+    ++s.tracking_count;
+    for (Eigen::Index i = 0; i < measurement.position_rad.size(); ++i) {
+      const double error = output.reference.q[i] - measurement.position_rad[i];
+      s.tracking_sum_of_squares[static_cast<std::size_t>(i)] += error * error;
+    }
+  }
+  record_.sensor_latency_ns = -1;
+  if (measurement.encoder_steps > 0 && sent_wall_ns_ != 0) {
+    record_.sensor_latency_ns = sent_wall_ns_ - measurement.encoder_wall_ns;
+    s.sensor_to_torque.add(record_.sensor_latency_ns);
+  }
+}
+
+void Loop::record(const Measurement& measurement,
+                  const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING {
+  if (recorder_ == nullptr) {
+    return;
+  }
+  TickRecord& r = record_;
+  r.q_rad = toArray(measurement.position_rad);
+  r.dq_rad_s = toArray(output.velocity_rad_s);
+  r.drive_torque_Nm = toArray(measurement.drive_torque_Nm);
+  r.emg_mV = measurement.emg_mV;
+  r.activation = output.activation;
+  r.reference_rad = toArray(output.reference.q);
+  r.reference_rad_s = toArray(output.reference.dq);
+  r.f_s_rad_s2 = toArray(output.f_s);
+  r.f_s_filtered_rad_s2 = toArray(output.f_s_filtered);
+  r.f_network_rad_s2 = output.has_network ? toArray(output.f_network) : toArray(JointVector());
+  r.f_true_rad_s2 = measurement.has_truth ? toArray(measurement.true_f_u) : toArray(JointVector());
+  r.d_hat_Nm = toArray(output.d_hat_Nm);
+  r.torque_gravity_Nm = toArray(output.control.gravity);
+  r.torque_model_Nm = toArray(output.control.model);
+  r.torque_emg_Nm = toArray(output.control.emg);
+  r.torque_impedance_Nm = toArray(output.control.impedance);
+  r.torque_compensation_Nm = toArray(output.control.compensation);
+  r.torque_command_Nm = toArray(output.command.torque_Nm);
+  r.faults = output.faults.bits();
+  r.limits = output.limits[0].bits() | static_cast<std::uint32_t>(output.limits[1].bits() << 8U);
+  r.state = static_cast<std::uint8_t>(output.state);
+  r.encoder_steps = static_cast<std::uint8_t>(std::min(measurement.encoder_steps, 255));
+  recorder_->tick(r);
+}
+
+void Loop::shutDown() noexcept {
+  pins_.setDriveEnable(false);
+  Command stop;
+  stop.torque_Nm = JointVector::Zero(tick_.joints());
+  stop.state = static_cast<std::uint8_t>(safety::State::kInit);
+  for (int i = 0; i < options_.shutdown_frames; ++i) {
+    can::Frame frame = encoder_.encode(stop);
+    clock_.sleepUntil(clock_.now() + period_ns_);
+    if (bus_.send(frame, clock_.now()) == can::SendResult::kSent && recorder_ != nullptr) {
+      recorder_->frame(frame);
+    }
+  }
+}
+
+}  // namespace patella::app

@@ -1,0 +1,103 @@
+// The fixed-rate loop: wake, drain the bus, one tick of core, send, record. The same code on every backend.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/safety/fault.hpp"
+#include "core/tick/tick.hpp"
+#include "drivers/can/bus.hpp"
+#include "drivers/can/command_encoder.hpp"
+#include "drivers/can/measurement_decoder.hpp"
+#include "drivers/clock/clock.hpp"
+#include "drivers/gpio/pins.hpp"
+#include "firmware_app/loop/latency_histogram.hpp"
+#include "firmware_app/recorder/recorder.hpp"
+
+namespace patella::app {
+
+struct LoopOptions {
+  double rate_Hz = 1000.0;
+  std::uint64_t max_ticks = 0;      ///< 0: until stopped or the backend is exhausted
+  int overruns_tolerated = 3;       ///< consecutive ticks that may miss their period before a fault
+  int send_failures_tolerated = 3;  ///< consecutive commands that may be lost before a fault
+  int warmup_ticks = 200;           ///< heap operations and page faults are counted from here on
+  int shutdown_frames = 10;         ///< zero-torque, drives-disabled frames sent when the loop ends
+};
+
+/// Mean, RMS and maximum of |f_s − f_u| where the rig tells the truth.
+struct ErrorStatistics {
+  std::uint64_t count = 0;
+  JointArray sum{}, sum_of_squares{}, maximum{};
+  void add(const JointVector& estimate, const JointVector& truth) noexcept;
+};
+
+/// What the loop counts while it runs; plain numbers, read when it has ended.
+struct LoopStatistics {
+  std::uint64_t ticks = 0;
+  std::uint64_t overruns = 0;        ///< ticks that ended after the next one was due
+  std::uint64_t missed_periods = 0;  ///< whole periods skipped because of them
+  LatencyHistogram wakeup, execution, sensor_to_torque;
+  std::uint64_t heap_allocations = 0, heap_frees = 0;  ///< by the loop thread after warm-up
+  bool heap_counted = false;                           ///< false in sanitizer builds
+  std::uint64_t minor_page_faults = 0, major_page_faults = 0;
+  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
+  std::array<std::uint64_t, safety::kFaultCount> fault_ticks{};   ///< ticks in which each cause was present
+  std::array<std::uint64_t, safety::kFaultCount> fault_events{};  ///< times each cause appeared
+  std::uint64_t limit_ticks = 0;  ///< ticks in which a limit held the command back
+  std::uint64_t stops = 0;        ///< entries into limited or fault
+  std::array<std::uint64_t, safety::kStateCount> state_ticks{};
+  safety::State final_state = safety::State::kInit;
+  safety::FaultSet latched;
+  double max_torque_Nm = 0.0;
+  ErrorStatistics sampler_error, network_error;
+  JointArray tracking_sum_of_squares{};  ///< rad², while active and a reference exists
+  std::uint64_t tracking_count = 0;
+};
+
+class Loop {
+ public:
+  /// All references must outlive the loop. `recorder` may be null.
+  Loop(const LoopOptions& options, Clock& clock, can::Bus& bus, gpio::Pins& pins,
+       can::MeasurementDecoder& decoder, can::CommandEncoder& encoder, tick::Tick& tick, Recorder* recorder);
+
+  /// Runs in the calling thread until max_ticks, until the bus is exhausted, or until `stop` is set; then
+  /// sends zero torque and drops drive enable.
+  void run(const std::atomic<bool>& stop) noexcept;
+
+  const LoopStatistics& statistics() const noexcept { return *statistics_; }
+
+ private:
+  void tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
+  void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
+  safety::FaultSet hostFaults() noexcept PATELLA_NONBLOCKING;
+  void sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING;
+  void account(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
+  void record(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
+  void shutDown() noexcept;
+
+  LoopOptions options_;
+  std::int64_t period_ns_;
+  Clock& clock_;
+  can::Bus& bus_;
+  gpio::Pins& pins_;
+  can::MeasurementDecoder& decoder_;
+  can::CommandEncoder& encoder_;
+  tick::Tick& tick_;
+  Recorder* recorder_;
+  std::vector<can::Frame> frames_;
+  std::unique_ptr<LoopStatistics> statistics_;
+  TickRecord record_;
+  std::int64_t start_ns_ = 0;
+  std::uint64_t index_ = 0;
+  int consecutive_overruns_ = 0;
+  int consecutive_send_failures_ = 0;
+  std::int64_t sent_wall_ns_ = 0;
+  safety::FaultSet previous_faults_;
+  bool heartbeat_ = false;
+};
+
+}  // namespace patella::app

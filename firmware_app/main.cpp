@@ -1,0 +1,84 @@
+// patella: the loop executable.
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/fmt/fmt.h>
+
+#include "firmware_app/commands/check_command.hpp"
+#include "firmware_app/commands/run_command.hpp"
+
+namespace {
+
+constexpr int kError = 1;
+
+std::atomic<bool> g_stop{false};
+
+void requestStop(int /*signal*/) {
+  g_stop.store(true);
+}
+
+std::filesystem::path defaultFolder() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  return std::filesystem::path("runs") / fmt::format("{:%Y%m%d-%H%M%S}", local);
+}
+
+void addCommon(CLI::App& command, patella::app::CommandLine& line) {
+  command.add_option("--config", line.config, "run configuration, TOML")->required();
+  command.add_option("--backend", line.backend,
+                     "sim, can:INTERFACE or replay:LOG; wins over the configuration");
+  command.add_option("--model", line.model, "model of the leg, TOML; wins over the configuration");
+  command.add_option("--weights", line.weights, "network, safetensors; wins over the configuration");
+  command.add_flag("--require-rt", line.require_rt, "refuse a host that cannot keep time");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Real-time control loop for knee rehabilitation robots.", "patella");
+  app.set_version_flag("--version", std::string("patella ") + PATELLA_VERSION);
+  app.require_subcommand(1);
+
+  patella::app::CommandLine line;
+  std::filesystem::path folder;
+  CLI::App& run = *app.add_subcommand("run", "Run the loop, on a rig, a simulated rig or a recorded log.");
+  addCommon(run, line);
+  run.add_option("--duration", line.duration_s, "seconds; 0 runs until Ctrl-C or the end of the log");
+  run.add_option("--rate", line.rate_Hz, "ticks a second");
+  run.add_option("--clock", line.clock,
+                 "monotonic, or virtual: as fast as the machine allows, repeatable to the bit");
+  run.add_option("--seed", line.seed, "of the simulated rig");
+  run.add_option("--out", folder, "folder for the recording; must not hold one (default: runs/DATE-TIME)");
+  run.footer("Exit status: 0 done, 1 could not start, 3 ended in a latched stop, 4 recording failed.");
+  CLI::App& check =
+      *app.add_subcommand("check", "Check a configuration and this machine's fitness for real time.");
+  addCommon(check, line);
+  check.footer(
+      "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
+  CLI11_PARSE(app, argc, argv);
+
+  struct sigaction action {};
+  action.sa_handler = requestStop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+
+  try {
+    const patella::app::RunConfig config = patella::app::loadRunConfig(line);
+    if (check.parsed()) {
+      return patella::app::checkRun(config, line.require_rt) ? 0 : kError;
+    }
+    return static_cast<int>(patella::app::runLoop(config, folder.empty() ? defaultFolder() : folder, g_stop));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "patella: {}\n", error.what());
+    return kError;
+  }
+}

@@ -1,0 +1,229 @@
+#include "firmware_app/recorder/recorder.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include "core/safety/fault.hpp"
+#include "core/safety/state_machine.hpp"
+#include "drivers/can/candump_log.hpp"
+
+namespace patella::app {
+namespace {
+
+constexpr auto kWriterPeriod = std::chrono::milliseconds(10);
+constexpr std::size_t kFileBuffer = 1U << 18;
+
+struct Closer {
+  void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+
+// One output file; remembers the first failure and writes nothing after it.
+class OutputFile {
+ public:
+  OutputFile(const std::filesystem::path& folder, const char* name)
+      : name_(name), file_(std::fopen((folder / name).c_str(), "wxe")) {
+    if (!file_) {
+      throw std::runtime_error((folder / name).string() +
+                               ": cannot be created: " + std::generic_category().message(errno));
+    }
+    std::setvbuf(file_.get(), nullptr, _IOFBF, kFileBuffer);
+  }
+
+  void write(const char* text, std::size_t length) {
+    if (error_.empty() && std::fwrite(text, 1, length, file_.get()) != length) {
+      fail();
+    }
+  }
+  void flush() {
+    if (error_.empty() && std::fflush(file_.get()) != 0) {
+      fail();
+    }
+  }
+  const std::string& error() const noexcept { return error_; }
+
+ private:
+  void fail() { error_ = name_ + ": " + std::generic_category().message(errno); }
+
+  std::string name_;
+  std::string error_;
+  std::unique_ptr<std::FILE, Closer> file_;
+};
+
+}  // namespace
+
+class Recorder::Files {
+ public:
+  explicit Files(const RecorderOptions& options)
+      : channel_(options.channel),
+        columns_(tickColumns(options.joints)),
+        frames_(options.folder, "frames.log"),
+        ticks_(options.folder, "ticks.csv"),
+        events_(options.folder, "events.log") {
+    line_.reserve(kLineCapacity);
+    for (const TickColumn& column : columns_) {
+      line_ += line_.empty() ? "" : ",";
+      line_ += column.name;
+    }
+    line_ += '\n';
+    ticks_.write(line_.data(), line_.size());
+  }
+
+  void write(const can::Frame& frame) {
+    const std::size_t length = can::formatLogLine(buffer_, frame, channel_);
+    frames_.write(buffer_.data(), length);
+  }
+
+  void write(const TickRecord& record) {
+    line_.clear();
+    for (const TickColumn& column : columns_) {
+      if (!line_.empty() || &column != columns_.data()) {
+        line_ += ',';
+      }
+      append(column.value(record, column.index));
+    }
+    line_ += '\n';
+    ticks_.write(line_.data(), line_.size());
+    writeEvents(record);
+  }
+
+  void flush() {
+    frames_.flush();
+    ticks_.flush();
+    events_.flush();
+  }
+
+  std::string error() const {
+    for (const OutputFile* file : {&frames_, &ticks_, &events_}) {
+      if (!file->error().empty()) {
+        return file->error();
+      }
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::size_t kLineCapacity = 2048;
+
+  // Shortest text that reads back as the same double; nothing for NaN.
+  void append(double value) {
+    if (std::isnan(value)) {
+      return;
+    }
+    std::array<char, 32> text{};
+    const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+    line_.append(text.data(), result.ptr);
+  }
+
+  // A line for every change of state and for every cause that appears or goes.
+  void writeEvents(const TickRecord& record) {
+    if (record.state == last_state_ && record.faults == last_faults_ && record.missed_periods == 0) {
+      return;
+    }
+    line_ = "t_s=";
+    append(record.time_s);
+    line_ += " state=";
+    line_ += safety::stateName(static_cast<safety::State>(record.state));
+    for (int i = 0; i < safety::kFaultCount; ++i) {
+      const auto fault = static_cast<safety::Fault>(i);
+      const bool is = safety::FaultSet(record.faults).has(fault);
+      const bool was = safety::FaultSet(last_faults_).has(fault);
+      if (is != was) {
+        line_ += std::string(is ? " raised=" : " cleared=") + std::string(safety::faultName(fault));
+      }
+    }
+    if (record.missed_periods != 0) {
+      line_ += " missed_periods=" + std::to_string(record.missed_periods);
+    }
+    line_ += '\n';
+    events_.write(line_.data(), line_.size());
+    last_state_ = record.state;
+    last_faults_ = record.faults;
+  }
+
+  std::string channel_;
+  std::vector<TickColumn> columns_;
+  OutputFile frames_;
+  OutputFile ticks_;
+  OutputFile events_;
+  std::string line_;
+  std::array<char, can::kMaxLogLine> buffer_{};
+  std::uint8_t last_state_ = 255;
+  std::uint32_t last_faults_ = 0;
+};
+
+Recorder::Recorder(const RecorderOptions& options) : options_(options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.folder, error);
+  if (error) {
+    throw std::runtime_error(options.folder.string() + ": cannot be created: " + error.message());
+  }
+  auto files = std::make_shared<Files>(options);
+  thread_ = std::thread([this, files] { write(*files); });
+}
+
+Recorder::~Recorder() {
+  close();
+}
+
+void Recorder::close() noexcept {
+  stop_.store(true, std::memory_order_release);
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void Recorder::tick(const TickRecord& record) noexcept PATELLA_NONBLOCKING {
+  while (!ticks_.push(record)) {
+    if (!options_.lossless) {
+      ++dropped_ticks_;
+      return;
+    }
+  }
+}
+
+void Recorder::frame(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
+  while (!frames_.push(frame)) {
+    if (!options_.lossless) {
+      ++dropped_frames_;
+      return;
+    }
+  }
+}
+
+void Recorder::write(Files& files) {
+  can::Frame frame;
+  TickRecord record;
+  while (true) {
+    const bool last_round = stop_.load(std::memory_order_acquire);
+    bool worked = false;
+    while (frames_.pop(frame)) {
+      files.write(frame);
+      written_frames_.fetch_add(1, std::memory_order_release);
+      worked = true;
+    }
+    while (ticks_.pop(record)) {
+      files.write(record);
+      written_ticks_.fetch_add(1, std::memory_order_release);
+      worked = true;
+    }
+    if (last_round) {
+      break;
+    }
+    if (!worked || !options_.lossless) {
+      files.flush();
+      std::this_thread::sleep_for(options_.lossless ? std::chrono::milliseconds(1) : kWriterPeriod);
+    }
+  }
+  files.flush();
+  error_ = files.error();
+}
+
+}  // namespace patella::app

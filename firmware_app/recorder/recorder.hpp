@@ -1,0 +1,65 @@
+// Takes records from the loop through lock-free rings and writes them to a run folder on a thread of its own:
+// frames.log (candump -l), ticks.csv and events.log.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "core/spsc_ring.hpp"
+#include "drivers/can/can_frame.hpp"
+#include "firmware_app/recorder/tick_record.hpp"
+
+namespace patella::app {
+
+struct RecorderOptions {
+  std::filesystem::path folder;
+  std::string channel = "can0";  ///< interface name in frames.log
+  int joints = kMaxJoints;
+  bool lossless = false;  ///< wait for the writer instead of dropping: only where no wall clock runs
+};
+
+class Recorder {
+ public:
+  /// Creates the folder and its files and starts the writer. Throws std::runtime_error naming the path that
+  /// cannot be created, or a run that already lives there.
+  explicit Recorder(const RecorderOptions& options);
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Loop side; never waits (unless lossless), counts what finds no room.
+  void tick(const TickRecord& record) noexcept PATELLA_NONBLOCKING;
+  void frame(const can::Frame& frame) noexcept PATELLA_NONBLOCKING;
+
+  /// Writes what is left, closes the files and ends the thread. Called by the destructor too.
+  void close() noexcept;
+
+  std::uint64_t droppedTicks() const noexcept { return dropped_ticks_; }
+  std::uint64_t droppedFrames() const noexcept { return dropped_frames_; }
+  std::uint64_t writtenTicks() const noexcept { return written_ticks_.load(std::memory_order_acquire); }
+  std::uint64_t writtenFrames() const noexcept { return written_frames_.load(std::memory_order_acquire); }
+  /// Empty while all is well; else what failed, e.g. "frames.log: No space left on device". Valid after
+  /// close().
+  const std::string& error() const noexcept { return error_; }
+
+ private:
+  class Files;
+  void write(Files& files);
+
+  // Two seconds of a 1 kHz loop with eight frames a tick.
+  SpscRing<TickRecord> ticks_{2048};
+  SpscRing<can::Frame> frames_{16384};
+  std::uint64_t dropped_ticks_ = 0;
+  std::uint64_t dropped_frames_ = 0;
+  std::atomic<std::uint64_t> written_ticks_{0};
+  std::atomic<std::uint64_t> written_frames_{0};
+  std::atomic<bool> stop_{false};
+  std::string error_;
+  RecorderOptions options_;
+  std::thread thread_;
+};
+
+}  // namespace patella::app

@@ -1,0 +1,262 @@
+#include "firmware_app/recorder/run_summary.hpp"
+
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "firmware_app/files/atomic_file.hpp"
+
+namespace patella::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMicroseconds = 1e-3;  // per nanosecond
+
+Json distribution(const LatencyHistogram& histogram) {
+  const auto at = [&](double quantile) {
+    return kMicroseconds * static_cast<double>(histogram.quantile(quantile));
+  };
+  Json out;
+  out["count"] = histogram.count();
+  out["p50_us"] = at(0.5);
+  out["p99_us"] = at(0.99);
+  out["p99_9_us"] = at(0.999);
+  out["max_us"] = kMicroseconds * static_cast<double>(histogram.maximum());
+  Json& buckets = out["histogram_lower_us_upper_us_count"] = Json::array();
+  histogram.forEach([&](std::int64_t lower_ns, std::int64_t upper_ns, std::uint64_t count) {
+    buckets.push_back({kMicroseconds * static_cast<double>(lower_ns),
+                       kMicroseconds * static_cast<double>(upper_ns), count});
+  });
+  return out;
+}
+
+Json errors(const ErrorStatistics& statistics, int joints) {
+  Json out;
+  out["samples"] = statistics.count;
+  const auto n = static_cast<double>(statistics.count);
+  for (int i = 0; i < joints; ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    out["mean_rad_s2"].push_back(statistics.sum[joint] / n);
+    out["rms_rad_s2"].push_back(std::sqrt(statistics.sum_of_squares[joint] / n));
+    out["max_rad_s2"].push_back(statistics.maximum[joint]);
+  }
+  return out;
+}
+
+Json inputs(const RunConfig& config) {
+  Json out;
+  const auto add = [&](const char* role, const std::filesystem::path& path) {
+    if (!path.empty()) {
+      out[role] = {{"file", path.filename().string()}, {"sha256", fileSha256(path)}};
+    }
+  };
+  add("configuration", config.path);
+  add("model", config.model_path);
+  add("bus_map", config.bus_map_path);
+  add("dbc", config.bus.dbc_path);
+  add("weights", config.weights_path);
+  if (config.backend.kind == BackendKind::kSim) {
+    add("rig_model", config.rig_model_path);
+  }
+  if (config.backend.kind == BackendKind::kReplay) {
+    add("log", config.backend.target);
+  }
+  return out;
+}
+
+Json messages(const can::MeasurementDecoder& decoder) {
+  Json out;
+  for (std::size_t i = 0; i < decoder.messageCount(); ++i) {
+    const can::MessageStatistics& m = decoder.statistics(i);
+    out[std::string(decoder.messageName(i))] = {{"received", m.received}, {"lost", m.lost},
+                                                {"late", m.late},         {"corrupt", m.corrupt},
+                                                {"repeated", m.repeated}, {"out_of_range", m.out_of_range}};
+  }
+  return out;
+}
+
+Json safety(const LoopStatistics& loop) {
+  Json out;
+  out["final_state"] = safety::stateName(loop.final_state);
+  out["stops"] = loop.stops;
+  out["latched"] = Json::array();
+  out["faults"] = Json::object();
+  for (int i = 0; i < safety::kFaultCount; ++i) {
+    const auto fault = static_cast<safety::Fault>(i);
+    const auto index = static_cast<std::size_t>(i);
+    if (loop.latched.has(fault)) {
+      out["latched"].push_back(safety::faultName(fault));
+    }
+    if (loop.fault_events[index] != 0) {
+      out["faults"][std::string(safety::faultName(fault))] = {{"events", loop.fault_events[index]},
+                                                              {"ticks", loop.fault_ticks[index]}};
+    }
+  }
+  for (int i = 0; i < safety::kStateCount; ++i) {
+    out["ticks_in_state"][std::string(safety::stateName(static_cast<safety::State>(i)))] =
+        loop.state_ticks[static_cast<std::size_t>(i)];
+  }
+  out["ticks_limited"] = loop.limit_ticks;
+  out["max_torque_Nm"] = loop.max_torque_Nm;
+  return out;
+}
+
+Json realtimeJson(const RealtimeReport& report) {
+  Json out;
+  out["degraded"] = report.degraded();
+  out["policy"] = report.policy;
+  out["priority"] = report.priority;
+  out["memory_locked"] = report.memory_locked;
+  out["cpus"] = report.cpus;
+  out["cpu_dma_latency_held"] = report.cpu_dma_latency_held;
+  out["preempt_rt"] = report.preempt_rt;
+  out["governor"] = report.governor;
+  out["missing"] = Json::array();
+  for (const Finding& finding : report.findings) {
+    if (!finding.ok) {
+      out["missing"].push_back({{"name", finding.name}, {"found", finding.found}, {"fix", finding.fix}});
+    }
+  }
+  return out;
+}
+
+std::string timingLine(const Json& summary, const char* key, const char* label) {
+  const Json& d = summary["timing"][key];
+  return fmt::format("  {:<22}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}\n", label, d["p50_us"].get<double>(),
+                     d["p99_us"].get<double>(), d["p99_9_us"].get<double>(), d["max_us"].get<double>());
+}
+
+std::string perJoint(const Json& values, const char* format) {
+  std::string text;
+  for (const Json& value : values) {
+    text += (text.empty() ? "" : " / ") + fmt::format(fmt::runtime(format), value.get<double>());
+  }
+  return text;
+}
+
+}  // namespace
+
+Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::BusStatistics& bus,
+               const can::MeasurementDecoder& decoder, const Recorder& recorder,
+               const RealtimeReport* realtime) {
+  const int joints = config.model.joints();
+  Json out;
+  out["patella"] = PATELLA_VERSION;
+  out["backend"] = config.backend.kind == BackendKind::kSim   ? "sim"
+                   : config.backend.kind == BackendKind::kCan ? "can:" + config.backend.target
+                                                              : "replay";
+  out["clock"] = config.clock == ClockKind::kVirtual ? "virtual" : "monotonic";
+  out["rate_Hz"] = config.loop.rate_Hz;
+  out["ticks"] = loop.ticks;
+  out["inputs"] = inputs(config);
+  if (config.backend.kind == BackendKind::kSim) {
+    out["seed"] = config.rig.seed;
+  }
+  if (realtime != nullptr) {
+    out["realtime"] = realtimeJson(*realtime);
+  }
+  out["timing"] = {{"wakeup_latency", distribution(loop.wakeup)},
+                   {"execution", distribution(loop.execution)},
+                   {"sensor_to_torque", distribution(loop.sensor_to_torque)},
+                   {"overruns", loop.overruns},
+                   {"missed_periods", loop.missed_periods}};
+  Json& thread = out["loop_thread"];
+  thread["heap_counted"] = loop.heap_counted;
+  thread["heap_allocations"] = loop.heap_allocations;
+  thread["heap_frees"] = loop.heap_frees;
+  thread["minor_page_faults"] = loop.minor_page_faults;
+  thread["major_page_faults"] = loop.major_page_faults;
+  if (realtime != nullptr) {
+    thread["voluntary_context_switches"] = loop.voluntary_switches;
+    thread["involuntary_context_switches"] = loop.involuntary_switches;
+  }
+  out["bus"] = {{"frames_received", bus.frames_received}, {"frames_sent", bus.frames_sent},
+                {"receive_dropped", bus.receive_dropped}, {"send_failed", bus.send_failed},
+                {"error_frames", bus.error_frames},       {"bus_off", bus.bus_off},
+                {"error_passive", bus.error_passive},     {"unknown_frames", decoder.unknownFrames()},
+                {"messages", messages(decoder)}};
+  out["safety"] = safety(loop);
+  if (loop.sampler_error.count > 0) {
+    out["estimation_error"]["sampler"] = errors(loop.sampler_error, joints);
+  }
+  if (loop.network_error.count > 0) {
+    out["estimation_error"]["network"] = errors(loop.network_error, joints);
+  }
+  if (loop.tracking_count > 0) {
+    for (int i = 0; i < joints; ++i) {
+      out["tracking_rms_rad"].push_back(std::sqrt(loop.tracking_sum_of_squares[static_cast<std::size_t>(i)] /
+                                                  static_cast<double>(loop.tracking_count)));
+    }
+  }
+  out["recorder"] = {{"ticks_written", recorder.writtenTicks()},
+                     {"ticks_dropped", recorder.droppedTicks()},
+                     {"frames_written", recorder.writtenFrames()},
+                     {"frames_dropped", recorder.droppedFrames()},
+                     {"error", recorder.error()}};
+  return out;
+}
+
+std::string summaryText(const Json& s) {
+  std::string text =
+      fmt::format("{} ticks at {} Hz, backend {}, clock {}\n", s["ticks"].get<std::uint64_t>(),
+                  s["rate_Hz"].get<double>(), s["backend"].get<std::string>(), s["clock"].get<std::string>());
+  if (s.contains("realtime")) {
+    const Json& r = s["realtime"];
+    text += fmt::format("  {} priority {}, memory {}, PREEMPT_RT {}, governor {}{}\n",
+                        r["policy"].get<std::string>(), r["priority"].get<int>(),
+                        r["memory_locked"].get<bool>() ? "locked" : "not locked",
+                        r["preempt_rt"].get<bool>() ? "yes" : "no", r["governor"].get<std::string>(),
+                        r["degraded"].get<bool>() ? " — DEGRADED, see patella check" : "");
+    text += fmt::format("\n  {:<22}{:>9}{:>9}{:>9}{:>9}\n", "timing, µs", "p50", "p99", "p99.9", "max");
+    text += timingLine(s, "wakeup_latency", "wake-up latency");
+    text += timingLine(s, "execution", "execution");
+    text += timingLine(s, "sensor_to_torque", "sensor to torque");
+  }
+  const Json& thread = s["loop_thread"];
+  text += fmt::format(
+      "\n  overruns {}, missed periods {}, heap operations {}, page faults {}\n",
+      s["timing"]["overruns"].get<std::uint64_t>(), s["timing"]["missed_periods"].get<std::uint64_t>(),
+      thread["heap_counted"].get<bool>() ? std::to_string(thread["heap_allocations"].get<std::uint64_t>() +
+                                                          thread["heap_frees"].get<std::uint64_t>())
+                                         : "not counted",
+      thread["minor_page_faults"].get<std::uint64_t>() + thread["major_page_faults"].get<std::uint64_t>());
+  std::uint64_t lost = s["bus"]["receive_dropped"].get<std::uint64_t>();
+  std::uint64_t late = 0;
+  std::uint64_t corrupt = 0;
+  for (const Json& message : s["bus"]["messages"]) {
+    lost += message["lost"].get<std::uint64_t>();
+    late += message["late"].get<std::uint64_t>();
+    corrupt += message["corrupt"].get<std::uint64_t>();
+  }
+  text += fmt::format("  frames: {} received, {} sent, {} lost, {} late, {} corrupt\n",
+                      s["bus"]["frames_received"].get<std::uint64_t>(),
+                      s["bus"]["frames_sent"].get<std::uint64_t>(), lost, late, corrupt);
+  const Json& safe = s["safety"];
+  text += fmt::format("  final state {}, stops {}, largest torque {:.2f} N·m\n",
+                      safe["final_state"].get<std::string>(), safe["stops"].get<std::uint64_t>(),
+                      safe["max_torque_Nm"].get<double>());
+  for (const auto& [name, counts] : safe["faults"].items()) {
+    text += fmt::format("    {}: {} times, {} ticks\n", name, counts["events"].get<std::uint64_t>(),
+                        counts["ticks"].get<std::uint64_t>());
+  }
+  if (s.contains("estimation_error")) {
+    for (const auto& [name, error] : s["estimation_error"].items()) {
+      text += fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n", name,
+                          perJoint(error["mean_rad_s2"], "{:.4f}"), perJoint(error["max_rad_s2"], "{:.4f}"));
+    }
+  }
+  if (s.contains("tracking_rms_rad")) {
+    text += fmt::format("  tracking error rms {} rad\n", perJoint(s["tracking_rms_rad"], "{:.4f}"));
+  }
+  const Json& rec = s["recorder"];
+  text += fmt::format("  recorded {} ticks and {} frames, dropped {} and {}\n",
+                      rec["ticks_written"].get<std::uint64_t>(), rec["frames_written"].get<std::uint64_t>(),
+                      rec["ticks_dropped"].get<std::uint64_t>(), rec["frames_dropped"].get<std::uint64_t>());
+  if (!rec["error"].get<std::string>().empty()) {
+    text += "  RECORDING FAILED: " + rec["error"].get<std::string>() + "\n";
+  }
+  return text;
+}
+
+}  // namespace patella::app

@@ -1,0 +1,26 @@
+// What a run comes to: summary.json for programs, a page of text for people.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "drivers/can/bus.hpp"
+#include "drivers/can/measurement_decoder.hpp"
+#include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/realtime/realtime_setup.hpp"
+#include "firmware_app/recorder/recorder.hpp"
+
+namespace patella::app {
+
+/// Only what the run determines, no date and no path of the output, so that two equal runs have equal
+/// summaries. `realtime` may be null: then (virtual clock) nothing of the host is in it.
+nlohmann::ordered_json summarise(const RunConfig& config, const LoopStatistics& loop,
+                                 const can::BusStatistics& bus, const can::MeasurementDecoder& decoder,
+                                 const Recorder& recorder, const RealtimeReport* realtime);
+
+/// The same for the console.
+std::string summaryText(const nlohmann::ordered_json& summary);
+
+}  // namespace patella::app

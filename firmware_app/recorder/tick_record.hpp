@@ -1,0 +1,48 @@
+// Everything that one tick measured, estimated and commanded, as the fixed-size record that leaves the loop.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace patella::app {
+
+/// Quiet NaN stands for "not known in this tick" (no reference, no truth, no network) and is an empty cell in
+/// the CSV.
+using JointArray = std::array<double, kMaxJoints>;
+
+struct TickRecord {
+  std::uint64_t tick = 0;
+  double time_s = 0.0;  ///< scheduled instant of the tick since the start of the loop
+  JointArray q_rad{}, dq_rad_s{}, drive_torque_Nm{};
+  JointArray reference_rad{}, reference_rad_s{};
+  JointArray f_s_rad_s2{}, f_s_filtered_rad_s2{}, f_network_rad_s2{}, f_true_rad_s2{}, d_hat_Nm{};
+  JointArray torque_gravity_Nm{}, torque_model_Nm{}, torque_emg_Nm{}, torque_impedance_Nm{};
+  JointArray torque_compensation_Nm{}, torque_command_Nm{};
+  EmgArray emg_mV{}, activation{};
+  std::uint32_t faults = 0;  ///< FaultSet of this tick
+  std::uint32_t limits = 0;  ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8
+  std::uint8_t state = 0;    ///< safety::State
+  std::uint8_t encoder_steps = 0;
+  std::uint32_t missed_periods = 0;    ///< skipped since the tick before
+  std::int64_t wakeup_latency_ns = 0;  ///< woken later than scheduled by
+  std::int64_t execution_ns =
+      0;  ///< from waking to the end of the tick's work; phase two and record excluded
+  std::int64_t sensor_latency_ns =
+      -1;  ///< encoder frame to torque frame, bus stamps; −1 without a new encoder frame
+};
+
+/// A column of ticks.csv: header name with unit, and where the number stands.
+struct TickColumn {
+  std::string name;
+  double (*value)(const TickRecord& record, int index);
+  int index;
+};
+
+/// The columns for a mechanism of so many joints, in file order.
+std::vector<TickColumn> tickColumns(int joints);
+
+}  // namespace patella::app

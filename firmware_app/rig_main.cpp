@@ -1,0 +1,70 @@
+// patella-rig: the simulated rig as a process of its own on a CAN interface.
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "drivers/can/socketcan_bus.hpp"
+#include "drivers/clock/clock.hpp"
+#include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/realtime/realtime_setup.hpp"
+#include "sim/can_rig_runner.hpp"
+
+namespace {
+
+std::atomic<bool> g_stop{false};
+
+void requestStop(int /*signal*/) {
+  g_stop.store(true);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Simulated rig on a CAN interface: sends encoder, drive, EMG and operator frames, obeys torque "
+      "commands.",
+      "patella-rig");
+  patella::app::CommandLine line;
+  std::string interface;
+  patella::sim::RigRunOptions options;
+  app.add_option("--config", line.config, "run configuration, TOML; its [rig] describes the rig")->required();
+  app.add_option("interface", interface, "can:INTERFACE, such as can:vcan0")->required();
+  app.add_option("--duration", options.duration_s, "seconds; 0 runs until Ctrl-C")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--seed", line.seed, "of noise, EMG and patient");
+  CLI11_PARSE(app, argc, argv);
+
+  struct sigaction action {};
+  action.sa_handler = requestStop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+
+  try {
+    const patella::app::Backend backend = patella::app::parseBackend(interface);
+    if (backend.kind != patella::app::BackendKind::kCan) {
+      throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE");
+    }
+    const patella::app::RunConfig config = patella::app::loadRunConfig(line);
+    const auto rig = patella::app::makeRig(config);
+    patella::can::SocketCanBus bus(backend.target);
+    patella::MonotonicClock clock;
+    patella::app::RealtimeOptions realtime;
+    realtime.priority = config.realtime.priority > 1 ? config.realtime.priority - 1 : 0;
+    const patella::app::RealtimeSetup setup(realtime);
+    const patella::sim::RigRunStatistics run = patella::sim::runRig(*rig, bus, clock, g_stop, options);
+    fmt::print(
+        "rig: {:.1f} s, {} frames sent ({} refused), {} commands accepted, {} rejected, {} watchdog trips, "
+        "largest torque {:.2f} N·m\n",
+        run.duration_s, run.frames_sent, run.send_failed, run.rig.commands_accepted,
+        run.rig.commands_rejected, run.rig.watchdog_trips, run.rig.max_torque_Nm);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "patella-rig: {}\n", error.what());
+    return 1;
+  }
+}
