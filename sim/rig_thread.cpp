@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <pthread.h>
+
 namespace patella::sim {
 namespace {
 
@@ -10,9 +12,10 @@ constexpr std::size_t kFramesToRig = 256;
 
 }  // namespace
 
-RigThread::RigThread(Rig& rig, Clock& clock)
+RigThread::RigThread(Rig& rig, Clock& clock, int priority)
     : rig_(rig),
       clock_(clock),
+      priority_(priority),
       wall_offset_ns_(clock.wallNow() - clock.now()),
       to_loop_(kFramesToLoop),
       to_rig_(kFramesToRig) {}
@@ -69,6 +72,11 @@ can::BusStatistics RigThread::statistics() const noexcept {
 }
 
 void RigThread::run() noexcept {
+  if (priority_ > 0) {
+    sched_param parameters{};
+    parameters.sched_priority = priority_;
+    pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  }
   std::int64_t instant_ns = clock_.now();
   rig_.advance(instant_ns);
   can::Frame frame;

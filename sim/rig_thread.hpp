@@ -17,8 +17,10 @@ namespace patella::sim {
 /// instant at which it was sent, unless the rig has lived past that already: then from the rig's instant.
 class RigThread final : public can::Bus {
  public:
-  /// Both must outlive this. `rig` belongs to the thread from start() until stop() has returned.
-  RigThread(Rig& rig, Clock& clock);
+  /// Both must outlive this. `rig` belongs to the thread from start() until stop() has returned. With
+  /// `priority` above 0 the thread asks for SCHED_FIFO, so that the rig is as punctual as the loop; where it
+  /// is refused, it runs on.
+  RigThread(Rig& rig, Clock& clock, int priority = 0);
   ~RigThread() override { stop(); }
   RigThread(const RigThread&) = delete;
   RigThread& operator=(const RigThread&) = delete;
@@ -42,6 +44,7 @@ class RigThread final : public can::Bus {
 
   Rig& rig_;
   Clock& clock_;
+  int priority_;
   std::int64_t wall_offset_ns_;
   SpscRing<can::Frame> to_loop_;
   SpscRing<can::Frame> to_rig_;

@@ -70,7 +70,7 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
       if (config.clock == ClockKind::kVirtual) {
         backend.bus = std::make_unique<sim::SimulatedBus>(*backend.rig, clock);
       } else {
-        auto thread = std::make_unique<sim::RigThread>(*backend.rig, clock);
+        auto thread = std::make_unique<sim::RigThread>(*backend.rig, clock, config.realtime.priority);
         backend.rig_thread = thread.get();
         backend.bus = std::move(thread);
       }

@@ -254,7 +254,7 @@ std::vector<std::string> TomlTable::strings(std::string_view key, CountRange cou
 }
 
 std::filesystem::path TomlTable::path(std::string_view key) const {
-  return std::filesystem::path(state_->file).parent_path() / string(key);
+  return (std::filesystem::path(state_->file).parent_path() / string(key)).lexically_normal();
 }
 
 template <typename Read, typename Value>
