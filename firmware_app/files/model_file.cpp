@@ -1,5 +1,6 @@
 #include "firmware_app/files/model_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <stdexcept>

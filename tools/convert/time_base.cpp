@@ -1,5 +1,6 @@
 #include "tools/convert/time_base.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

@@ -1,0 +1,141 @@
+#include "tools/report/html.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+namespace patella::report {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kHead = R"(<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<style>
+body { font: 15px/1.45 Helvetica, Arial, sans-serif; color: #222; background: #f4f5f6; margin: 0; }
+main { max-width: 1560px; margin: 0 auto; padding: 1.2rem; }
+h1 { font-size: 1.5rem; margin: 0 0 1rem; overflow-wrap: anywhere; }
+h2 { font-size: 1.1rem; margin: 1.6rem 0 .6rem; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 36rem), 1fr)); gap: .8rem; }
+figure { margin: 0; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .3rem; }
+figure.wide { grid-column: 1 / -1; }
+svg { display: block; width: 100%; height: auto; }
+.tables { columns: 30rem; column-gap: 1rem; }
+.group { break-inside: avoid; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .5rem .8rem;
+  margin: 0 0 .8rem; }
+h3 { font-size: .95rem; margin: 0 0 .3rem; color: #0072b2; }
+table { border-collapse: collapse; width: 100%; }
+td { padding: .12rem .3rem; border-top: 1px solid #eee; vertical-align: top; overflow-wrap: anywhere; }
+td:last-child { text-align: right; font-variant-numeric: tabular-nums; }
+.legend span { display: inline-block; padding: 0 .5rem; margin-right: .6rem; }
+@media print { body { background: #fff; } figure { break-inside: avoid; } }
+</style>
+)";
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string scalarText(const json& value) {
+  if (value.is_number_float()) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.6g", value.get<double>());
+    return text.data();
+  }
+  if (value.is_string()) {
+    return value.get<std::string>();
+  }
+  return value.is_null() ? "–" : value.is_boolean() ? (value.get<bool>() ? "yes" : "no") : value.dump();
+}
+
+bool isFlat(const json& value) {
+  return !value.is_structured() ||
+         (value.is_array() && std::none_of(value.begin(), value.end(),
+                                           [](const json& element) { return element.is_structured(); }));
+}
+
+std::string flatText(const json& value) {
+  if (!value.is_array()) {
+    return scalarText(value);
+  }
+  std::string text;
+  for (const json& element : value) {
+    text += (text.empty() ? "" : ", ") + scalarText(element);
+  }
+  return text.empty() ? "none" : text;
+}
+
+/// The flat entries of a node as one table under its name, then what is nested in it, each under its own.
+void addTables(const std::string& name, const json& node, std::string& page) {
+  std::string rows;
+  for (const auto& [key, value] : node.items()) {
+    if (isFlat(value)) {
+      rows += "<tr><td>" + escaped(key) + "</td><td>" + escaped(flatText(value)) + "</td></tr>\n";
+    }
+  }
+  if (!rows.empty()) {
+    page += "<div class=\"group\"><h3>" + escaped(name.empty() ? "run" : name) + "</h3>\n<table>\n" + rows +
+            "</table></div>\n";
+  }
+  for (const auto& [key, value] : node.items()) {
+    if (!isFlat(value)) {
+      // Elements of an array are counted from 1.
+      const std::string part = node.is_array() ? std::to_string(std::stoul(key) + 1) : key;
+      addTables(name.empty() ? part : name + " › " + part, value, page);
+    }
+  }
+}
+
+}  // namespace
+
+std::string reportPage(const std::string& title, std::span<const Figure> figures,
+                       std::span<const std::string> pictures, const json& summary) {
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<title>" + escaped(title) + "</title>\n" +
+                     kHead + "</head>\n<body>\n<main>\n<h1>" + escaped(title) + "</h1>\n";
+  const bool shaded = std::any_of(figures.begin(), figures.end(),
+                                  [](const Figure& figure) { return !figure.shades.empty(); });
+  if (shaded) {
+    page +=
+        "<p class=\"legend\"><span style=\"background:#FBEFC9\">torque held back by a limit</span>"
+        "<span style=\"background:#F6D5CC\">fault</span></p>\n";
+  }
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    if (i == 0 || figures[i].section != figures[i - 1].section) {
+      page += std::string(i == 0 ? "" : "</div>\n") + "<h2>" + escaped(figures[i].section) +
+              "</h2>\n<div class=\"figures\">\n";
+    }
+    page += std::string("<figure") + (figures[i].wide ? " class=\"wide\"" : "") + ">\n" + pictures[i] +
+            "</figure>\n";
+  }
+  page += figures.empty() ? "" : "</div>\n";
+  if (!summary.empty()) {
+    page += "<h2>Summary</h2>\n<div class=\"tables\">\n";
+    addTables("", summary, page);
+    page += "</div>\n";
+  }
+  return page + "</main>\n</body>\n</html>\n";
+}
+
+}  // namespace patella::report

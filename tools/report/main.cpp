@@ -1,0 +1,62 @@
+// patella-report: a run folder as one page of figures and numbers.
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/csv_table.hpp"
+#include "tools/report/gnuplot.hpp"
+#include "tools/report/html.hpp"
+#include "tools/report/panels.hpp"
+
+namespace {
+
+nlohmann::json loadSummary(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) {
+    return nlohmann::json::object();
+  }
+  try {
+    return nlohmann::json::parse(patella::app::readFile(path));
+  } catch (const nlohmann::json::parse_error& error) {
+    throw patella::app::FileError(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App arguments("Draws a recorded run: ticks.csv and summary.json of a run folder become one HTML page.",
+                     "patella-report");
+  std::filesystem::path run;
+  std::filesystem::path page;
+  std::filesystem::path picture;
+  arguments.add_option("RUN_DIR", run, "folder that the loop has written")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  arguments.add_option("--out", page, "page to write; RUN_DIR/report.html unless given");
+  arguments.add_option("--png", picture, "also write all figures as one PNG picture");
+  CLI11_PARSE(arguments, argc, argv);
+
+  try {
+    const auto ticks = patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true});
+    const nlohmann::json summary = loadSummary(run / "summary.json");
+    const auto figures = patella::report::makePanels(ticks, summary);
+    const std::string title = "Run " + std::filesystem::canonical(run).filename().string();
+    page = page.empty() ? run / "report.html" : page;
+    patella::app::writeFile(
+        page, patella::report::reportPage(title, figures, patella::report::drawSvg(figures), summary));
+    std::cout << page.string() << ": " << figures.size() << " figures, " << ticks.rows() << " ticks\n";
+    if (!picture.empty()) {
+      patella::report::drawPng(figures, title, picture);
+      std::cout << picture.string() << "\n";
+    }
+  } catch (const std::exception& error) {
+    std::cerr << "patella-report: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
