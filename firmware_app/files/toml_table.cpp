@@ -343,8 +343,7 @@ void TomlTable::finish() const {
   if (unread.empty()) {
     return;
   }
-  std::stable_sort(unread.begin(), unread.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(unread.begin(), unread.end());
   std::string text;
   for (const auto& [line, message] : unread) {
     text += (text.empty() ? "" : "\n") + message;

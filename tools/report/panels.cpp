@@ -162,7 +162,7 @@ void addTorque(const Curves& curves, const nlohmann::json& summary, int joint, s
 
   Figure terms;
   terms.section = "Torque";
-  terms.title = "Terms of the command, " + jointName(joint);
+  terms.title = "Torque terms, " + jointName(joint);
   terms.y_label = "N·m";
   const std::pair<const char*, std::pair<const char*, const char*>> kTerms[] = {
       {"tau_gravity", {"gravity", kGrey}},
