@@ -19,8 +19,8 @@ esac
 headline() { printf '\n== %s\n' "$*"; }
 build() {
   headline "build: $1"
-  cmake --preset "$1" >build-"$1".log 2>&1 || { cat build-"$1".log; exit 1; }
-  rm -f build-"$1".log
+  mkdir -p build
+  cmake --preset "$1" >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
   cmake --build --preset "$1"
 }
 

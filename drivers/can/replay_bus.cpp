@@ -22,6 +22,12 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
   }
   if (frames_.empty() && commands_.empty())
     throw LogError(file.string() + ": holds no frame");
+  for (std::size_t i = 0; i < options.farewell_commands && tick_end_.size() > 1; ++i) {
+    if (tick_end_.back() != frames_.size() || tick_end_[tick_end_.size() - 2] != frames_.size())
+      break;
+    tick_end_.pop_back();
+    commands_.pop_back();
+  }
 }
 
 std::size_t ReplayBus::tickEnd() const noexcept {

@@ -17,6 +17,9 @@ struct ReplayOptions {
   /// Identifier of the torque command. A log that holds it was recorded by the loop.
   std::optional<std::uint32_t> command_id;
   bool command_extended = false;
+  /// Commands with which the loop takes its leave: so many at the end of a log, with nothing received between
+  /// them, close no tick and are left out.
+  std::size_t farewell_commands = 0;
 };
 
 /// Plays what `candump -l` recorded.
@@ -45,6 +48,7 @@ class ReplayBus final : public Bus {
 
   /// True where the log's ticks are those of its commands.
   bool hasCommands() const noexcept { return !commands_.empty(); }
+  /// Without the farewell.
   std::size_t recordedCommands() const noexcept { return commands_.size(); }
   /// Sent commands so far that differ from the recorded ones in identifier, length or data.
   std::uint64_t commandMismatches() const noexcept { return command_mismatches_; }

@@ -60,7 +60,9 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
     case BackendKind::kReplay: {
       auto replay = std::make_unique<can::ReplayBus>(
           config.backend.target,
-          can::ReplayOptions{.command_id = encoder.id(), .command_extended = encoder.extended()});
+          can::ReplayOptions{.command_id = encoder.id(),
+                             .command_extended = encoder.extended(),
+                             .farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames)});
       backend.replay = replay.get();
       backend.bus = std::move(replay);
       break;
@@ -128,8 +130,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                   const std::atomic<bool>& stop) {
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
-  can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
-  can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  can::MeasurementDecoder decoder = makeDecoder(config);
+  can::CommandEncoder encoder = makeEncoder(config);
   const BusBackend backend = makeBus(config, encoder, *clock);
   const auto pins = makePins(config);
   Recorder recorder({.folder = folder,
@@ -141,7 +143,13 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (backend.rig_thread != nullptr) {
     backend.rig_thread->start();
   }
-  const auto setup = runOnThread(loop, config, recorder, stop);
+  std::unique_ptr<RealtimeSetup> setup;
+  try {
+    setup = runOnThread(loop, config, recorder, stop);
+  } catch (...) {
+    recorder.discard();
+    throw;
+  }
   if (backend.rig_thread != nullptr) {
     backend.rig_thread->stop();
   }

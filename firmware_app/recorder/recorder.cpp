@@ -20,6 +20,7 @@ namespace {
 
 constexpr auto kWriterPeriod = std::chrono::milliseconds(10);
 constexpr std::size_t kFileBuffer = 1U << 18;
+constexpr std::array kFileNames = {"frames.log", "ticks.csv", "events.log"};
 
 struct Closer {
   void operator()(std::FILE* file) const noexcept { std::fclose(file); }
@@ -57,6 +58,33 @@ class OutputFile {
   std::unique_ptr<std::FILE, Closer> file_;
 };
 
+void requireNoRecording(const std::filesystem::path& folder) {
+  std::vector<const char*> names(kFileNames.begin(), kFileNames.end());
+  names.push_back("summary.json");
+  std::error_code ignored;
+  for (const char* name : names) {
+    if (std::filesystem::exists(folder / name, ignored)) {
+      throw std::runtime_error(folder.string() + ": holds a recording already (" + name +
+                               "), expected a new or empty folder");
+    }
+  }
+}
+
+// Creates the folder with those above it; returns the ones that were not there, outermost first.
+std::vector<std::filesystem::path> createFolders(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> missing;
+  std::error_code error;
+  for (auto path = folder; !path.empty() && !std::filesystem::exists(path, error) && path != path.root_path();
+       path = path.parent_path()) {
+    missing.insert(missing.begin(), path);
+  }
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw std::runtime_error(folder.string() + ": cannot be created: " + error.message());
+  }
+  return missing;
+}
+
 }  // namespace
 
 class Recorder::Files {
@@ -64,9 +92,9 @@ class Recorder::Files {
   explicit Files(const RecorderOptions& options)
       : channel_(options.channel),
         columns_(tickColumns(options.joints)),
-        frames_(options.folder, "frames.log"),
-        ticks_(options.folder, "ticks.csv"),
-        events_(options.folder, "events.log") {
+        frames_(options.folder, kFileNames[0]),
+        ticks_(options.folder, kFileNames[1]),
+        events_(options.folder, kFileNames[2]) {
     line_.reserve(kLineCapacity);
     for (const TickColumn& column : columns_) {
       line_ += line_.empty() ? "" : ",";
@@ -160,13 +188,15 @@ class Recorder::Files {
 };
 
 Recorder::Recorder(const RecorderOptions& options) : options_(options) {
-  std::error_code error;
-  std::filesystem::create_directories(options.folder, error);
-  if (error) {
-    throw std::runtime_error(options.folder.string() + ": cannot be created: " + error.message());
+  requireNoRecording(options.folder);
+  try {
+    created_folders_ = createFolders(options.folder);
+    auto files = std::make_shared<Files>(options);
+    thread_ = std::thread([this, files] { write(*files); });
+  } catch (...) {
+    discard();
+    throw;
   }
-  auto files = std::make_shared<Files>(options);
-  thread_ = std::thread([this, files] { write(*files); });
 }
 
 Recorder::~Recorder() {
@@ -177,6 +207,17 @@ void Recorder::close() noexcept {
   stop_.store(true, std::memory_order_release);
   if (thread_.joinable()) {
     thread_.join();
+  }
+}
+
+void Recorder::discard() noexcept {
+  close();
+  std::error_code ignored;
+  for (const char* name : kFileNames) {
+    std::filesystem::remove(options_.folder / name, ignored);
+  }
+  for (auto folder = created_folders_.rbegin(); folder != created_folders_.rend(); ++folder) {
+    std::filesystem::remove(*folder, ignored);
   }
 }
 

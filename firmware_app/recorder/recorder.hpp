@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "core/spsc_ring.hpp"
 #include "drivers/can/can_frame.hpp"
@@ -24,7 +25,7 @@ struct RecorderOptions {
 class Recorder {
  public:
   /// Creates the folder and its files and starts the writer. Throws std::runtime_error naming the path that
-  /// cannot be created, or a run that already lives there.
+  /// cannot be created, or the recording that the folder holds; nothing is left behind then.
   explicit Recorder(const RecorderOptions& options);
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -36,6 +37,9 @@ class Recorder {
 
   /// Writes what is left, closes the files and ends the thread. Called by the destructor too.
   void close() noexcept;
+
+  /// For a run that is refused before its first tick: closes, and removes what the constructor created.
+  void discard() noexcept;
 
   std::uint64_t droppedTicks() const noexcept { return dropped_ticks_; }
   std::uint64_t droppedFrames() const noexcept { return dropped_frames_; }
@@ -59,6 +63,7 @@ class Recorder {
   std::atomic<bool> stop_{false};
   std::string error_;
   RecorderOptions options_;
+  std::vector<std::filesystem::path> created_folders_;  ///< outermost first
   std::thread thread_;
 };
 

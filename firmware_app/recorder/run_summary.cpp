@@ -76,7 +76,7 @@ Json messages(const can::MeasurementDecoder& decoder) {
   return out;
 }
 
-Json safety(const LoopStatistics& loop) {
+Json safety(const RunConfig& config, const LoopStatistics& loop) {
   Json out;
   out["final_state"] = safety::stateName(loop.final_state);
   out["stops"] = loop.stops;
@@ -99,6 +99,9 @@ Json safety(const LoopStatistics& loop) {
   }
   out["ticks_limited"] = loop.limit_ticks;
   out["max_torque_Nm"] = loop.max_torque_Nm;
+  for (int i = 0; i < config.model.joints(); ++i) {
+    out["torque_limit_Nm"].push_back(config.tick.limits.joint[static_cast<std::size_t>(i)].torque_Nm);
+  }
   return out;
 }
 
@@ -176,7 +179,7 @@ Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::B
                 {"error_frames", bus.error_frames},       {"bus_off", bus.bus_off},
                 {"error_passive", bus.error_passive},     {"unknown_frames", decoder.unknownFrames()},
                 {"messages", messages(decoder)}};
-  out["safety"] = safety(loop);
+  out["safety"] = safety(config, loop);
   if (loop.sampler_error.count > 0) {
     out["estimation_error"]["sampler"] = errors(loop.sampler_error, joints);
   }

@@ -61,6 +61,21 @@ TEST_CASE("each receive gives one recorded tick in file order, however time runs
   CHECK(bus.receive(frames, 1'000'000'000'001) == 0);
 }
 
+TEST_CASE("the loop's farewell at the end of a log closes no tick") {
+  const std::string farewell = "(0000000101.000000) can0 080#0000\n(0000000101.001000) can0 080#0001\n";
+  const std::string own = kOwnLog.substr(0, kOwnLog.rfind("(0000000100.900002)"));
+  ReplayOptions options = ownOptions();
+  options.farewell_commands = 2;
+
+  const test::TemporaryFile complete(own + farewell);
+  CHECK(ReplayBus(complete.path(), options).recordedCommands() == 2);
+  // What a killed loop leaves has no farewell, and its last ticks are ticks.
+  const test::TemporaryFile killed(own);
+  CHECK(ReplayBus(killed.path(), options).recordedCommands() == 2);
+  const test::TemporaryFile without_option(own + farewell);
+  CHECK(ReplayBus(without_option.path(), ownOptions()).recordedCommands() == 4);
+}
+
 TEST_CASE("a tick with more frames than there is room for is given in pieces and not mixed with the next") {
   const test::TemporaryFile log(kOwnLog);
   ReplayBus bus(log.path(), ownOptions());

@@ -13,7 +13,7 @@ start_rig() {
 
 run_loop() {
   rm -rf "$run"
-  "$patella" run --config "$config" --backend "can:$PATELLA_CAN_INTERFACE" --duration "$1" --output "$run"
+  "$patella" run --config "$config" --backend "can:$PATELLA_CAN_INTERFACE" --duration "$1" --out "$run"
 }
 
 stop_rig() {

@@ -1,0 +1,88 @@
+// The same run twice, and a run played back from its own log.
+#include <atomic>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware_app/commands/run_command.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/csv_table.hpp"
+#include "tests/integration/runs/run_folder.hpp"
+
+using namespace patella;
+
+namespace {
+
+const std::atomic<bool> kNeverStop{false};
+
+nlohmann::json summaryOf(const std::filesystem::path& folder) {
+  return nlohmann::json::parse(app::readFile(folder / "summary.json"));
+}
+
+}  // namespace
+
+TEST_CASE("two equal runs in virtual time leave equal files") {
+  const test::TemporaryFolder folder;
+  const app::RunConfig config = test::demonstration(2.0);
+  for (const char* name : {"a", "b"}) {
+    CHECK(app::runLoop(config, folder.path() / name, kNeverStop) == app::RunStatus::kOk);
+  }
+  for (const char* file : {"frames.log", "ticks.csv", "events.log", "summary.json"}) {
+    CAPTURE(file);
+    const std::string first = app::readFile(folder.path() / "a" / file);
+    CHECK_FALSE(first.empty());
+    CHECK(first == app::readFile(folder.path() / "b" / file));
+  }
+}
+
+TEST_CASE("another seed is another run") {
+  const test::TemporaryFolder folder;
+  app::RunConfig config = test::demonstration(0.5);
+  CHECK(app::runLoop(config, folder.path() / "a", kNeverStop) == app::RunStatus::kOk);
+  config.rig.seed += 1;
+  CHECK(app::runLoop(config, folder.path() / "b", kNeverStop) == app::RunStatus::kOk);
+  CHECK(app::readFile(folder.path() / "a" / "frames.log") !=
+        app::readFile(folder.path() / "b" / "frames.log"));
+}
+
+TEST_CASE("a log played back gives the same estimates and commands to the last bit") {
+  for (const char* clock : {"virtual", "monotonic"}) {
+    CAPTURE(clock);
+    const test::TemporaryFolder folder;
+    app::RunConfig live = test::demonstration(2.0, "sim", clock);
+    live.realtime.priority = 0;
+    app::runLoop(live, folder.path() / "live", kNeverStop);
+    const app::RunConfig replay =
+        test::demonstration(0.0, "replay:" + (folder.path() / "live" / "frames.log").string());
+    app::runLoop(replay, folder.path() / "replay", kNeverStop);
+
+    const app::CsvTable first =
+        app::CsvTable::load(folder.path() / "live" / "ticks.csv", {.allow_missing = true});
+    const app::CsvTable second =
+        app::CsvTable::load(folder.path() / "replay" / "ticks.csv", {.allow_missing = true});
+    REQUIRE(first.rows() > 1000);
+    REQUIRE(first.rows() == second.rows());
+    for (const char* name : {"f_s1_rad_s2", "f_s2_rad_s2"}) {
+      const auto a = first.column(name);
+      const auto b = second.column(name);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        different += a[i] == b[i] ? 0U : 1U;
+      }
+      CHECK(different == 0);
+    }
+    if (std::string(clock) == "virtual") {
+      CHECK(summaryOf(folder.path() / "replay")["replay"]["different_commands"] == 0);
+    }
+  }
+}
+
+TEST_CASE("a run does not overwrite a recording") {
+  const test::TemporaryFolder folder;
+  const app::RunConfig config = test::demonstration(0.1);
+  CHECK(app::runLoop(config, folder.path() / "run", kNeverStop) == app::RunStatus::kOk);
+  const std::string before = app::readFile(folder.path() / "run" / "ticks.csv");
+  CHECK_THROWS_WITH_AS(app::runLoop(config, folder.path() / "run", kNeverStop),
+                       doctest::Contains("frames.log"), std::runtime_error);
+  CHECK(app::readFile(folder.path() / "run" / "ticks.csv") == before);
+}

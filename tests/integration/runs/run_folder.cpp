@@ -1,0 +1,85 @@
+#include "tests/integration/runs/run_folder.hpp"
+
+#include <atomic>
+#include <random>
+#include <stdexcept>
+
+#include <stdlib.h>
+
+#include "firmware_app/loop/loop.hpp"
+#include "sim/simulated_bus.hpp"
+
+namespace patella::test {
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "patella-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw std::runtime_error(name + " cannot be created");
+  }
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+app::RunConfig demonstration(double duration_s, const std::string& backend, const std::string& clock) {
+  app::CommandLine line;
+  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.backend = backend;
+  line.clock = clock;
+  line.duration_s = duration_s;
+  return app::loadRunConfig(line);
+}
+
+network::NetworkWeights randomNetwork(int lstm_layers) {
+  constexpr int kHidden = 128;
+  constexpr int kChannels = 64;
+  network::NetworkWeights weights;
+  weights.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "time_s"};
+  const auto inputs = static_cast<Eigen::Index>(weights.features.size());
+  weights.feature_mean = Eigen::VectorXd::Zero(inputs);
+  weights.feature_scale = Eigen::VectorXd::Ones(inputs);
+  weights.output_mean = Eigen::VectorXd::Zero(kMaxJoints);
+  weights.output_scale = Eigen::VectorXd::Ones(kMaxJoints);
+  weights.lstm.resize(static_cast<std::size_t>(lstm_layers));
+  std::mt19937 random(1);
+  const network::NetworkShape shape{.inputs = inputs,
+                                    .hidden = kHidden,
+                                    .layers = lstm_layers,
+                                    .channels = kChannels,
+                                    .outputs = kMaxJoints};
+  network::visitTensors(
+      weights, shape, [&](const std::string&, auto& tensor, Eigen::Index rows, Eigen::Index cols) {
+        tensor.resize(rows, cols);
+        for (Eigen::Index i = 0; i < tensor.size(); ++i) {
+          tensor.data()[i] = static_cast<float>(static_cast<double>(random()) / 4294967296.0 - 0.5) * 0.1F;
+        }
+      });
+  return weights;
+}
+
+std::size_t AllocatingBus::receive(std::span<can::Frame> frames,
+                                   std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  block_ = std::make_unique<std::string>(100, 'x');
+  return bus_.receive(frames, now_ns);
+}
+
+app::LoopStatistics runInLockStep(const app::RunConfig& config, bool allocating) {
+  VirtualClock clock;
+  const auto rig = app::makeRig(config);
+  const auto tick = app::makeTick(config);
+  sim::SimulatedBus bus(*rig, clock);
+  AllocatingBus allocating_bus(bus);
+  gpio::SimulatedPins pins;
+  can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
+  can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  app::Loop loop(config.loop, clock, allocating ? static_cast<can::Bus&>(allocating_bus) : bus, pins, decoder,
+                 encoder, *tick, nullptr);
+  const std::atomic<bool> stop{false};
+  loop.run(stop);
+  return loop.statistics();
+}
+
+}  // namespace patella::test
