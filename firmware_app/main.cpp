@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   run.add_option("--rate", line.rate_Hz, "ticks a second");
   run.add_option("--clock", line.clock,
                  "monotonic, or virtual: as fast as the machine allows, repeatable to the bit");
-  run.add_option("--seed", line.seed, "of the simulated rig");
+  run.add_option("--seed", line.seed, "of the simulated rig")->check(CLI::NonNegativeNumber);
   run.add_option("--out", folder, "folder for the recording; must not hold one (default: runs/DATE-TIME)");
   run.footer("Exit status: 0 done, 1 could not start, 3 ended in a latched stop, 4 recording failed.");
   CLI::App& check =
@@ -64,7 +64,12 @@ int main(int argc, char** argv) {
   addCommon(check, line);
   check.footer(
       "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version are no errors; the parser's own numbers are not part of what we promise.
+    return app.exit(error) == 0 ? 0 : kError;
+  }
 
   struct sigaction action {};
   action.sa_handler = requestStop;

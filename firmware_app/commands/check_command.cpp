@@ -2,8 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "drivers/can/command_encoder.hpp"
-#include "drivers/can/measurement_decoder.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 
 namespace patella::app {
@@ -18,8 +16,8 @@ void line(bool ok, bool required, const std::string& name, const std::string& te
 bool checkRun(const RunConfig& config, bool require_rt) {
   // Loading has checked every value; building shows that the parts fit each other.
   const auto tick = makeTick(config);
-  const can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
-  const can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  const can::MeasurementDecoder decoder = makeDecoder(config);
+  makeEncoder(config);
   if (config.backend.kind == BackendKind::kSim) {
     makeRig(config);
   }

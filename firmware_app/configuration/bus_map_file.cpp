@@ -1,6 +1,7 @@
 #include "firmware_app/configuration/bus_map_file.hpp"
 
 #include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
 namespace {
@@ -34,6 +35,11 @@ void readTiming(const TomlTable& table, can::BusMap& map) {
   map.emg_period_s = table.number("emg_period_s", kSamplePeriod, map.emg_period_s);
   map.position_min_rad = table.number("position_min_rad", kAnyNumber, map.position_min_rad);
   map.position_max_rad = table.number("position_max_rad", kAnyNumber, map.position_max_rad);
+  if (!(map.position_min_rad < map.position_max_rad)) {
+    throw table.error("position_min_rad", "value " + formatNumber(map.position_min_rad) +
+                                              ", expected less than position_max_rad, which is " +
+                                              formatNumber(map.position_max_rad));
+  }
   map.position_jump_rad = table.number("position_jump_rad", kPositive, map.position_jump_rad);
   map.tolerated_bad_frames = static_cast<int>(
       table.integer("tolerated_bad_frames", 0, kMaxToleratedFrames, map.tolerated_bad_frames));

@@ -8,6 +8,7 @@
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
 #include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/files/wording.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 
 namespace patella::app {
@@ -36,6 +37,9 @@ void readRealtime(const TomlTable& table, RunConfig& config) {
   const std::vector<double> none;
   for (const double cpu :
        table.numbers("cpus", CountRange{0, kMaxCpu + 1}, Range{.minimum = 0.0, .maximum = kMaxCpu}, none)) {
+    if (cpu != std::floor(cpu)) {
+      throw table.error("cpus", "value " + formatNumber(cpu) + ", expected whole numbers of processors");
+    }
     r.cpus.push_back(static_cast<int>(cpu));
   }
   r.lock_memory = table.boolean("lock_memory", r.lock_memory);
@@ -66,23 +70,32 @@ void readGpio(const TomlTable& table, RunConfig& config) {
   config.gpio = options;
 }
 
+template <typename Parse>
+auto argument(const char* option, const std::string& text, Parse&& parse) {
+  try {
+    return parse(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string(option) + ": " + error.what());
+  }
+}
+
 void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
   if (command_line.backend) {
-    config.backend = parseBackend(*command_line.backend);
+    config.backend = argument("--backend", *command_line.backend, parseBackend);
   }
   if (command_line.clock) {
-    config.clock = parseClock(*command_line.clock);
+    config.clock = argument("--clock", *command_line.clock, parseClock);
   }
   if (command_line.duration_s) {
     if (!kDuration.contains(*command_line.duration_s)) {
-      throw std::invalid_argument("--duration: value " + std::to_string(*command_line.duration_s) +
+      throw std::invalid_argument("--duration: value " + formatNumber(*command_line.duration_s) +
                                   ", expected seconds " + kDuration.text());
     }
     config.duration_s = *command_line.duration_s;
   }
   if (command_line.rate_Hz) {
     if (!kRate.contains(*command_line.rate_Hz)) {
-      throw std::invalid_argument("--rate: value " + std::to_string(*command_line.rate_Hz) +
+      throw std::invalid_argument("--rate: value " + formatNumber(*command_line.rate_Hz) +
                                   ", expected a rate in Hz " + kRate.text());
     }
     config.loop.rate_Hz = *command_line.rate_Hz;
@@ -100,6 +113,23 @@ auto located(const std::filesystem::path& path, Make&& make) {
   }
 }
 
+// A network speaks of the steps that it was trained with; another rate would be another network.
+void checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& config) {
+  constexpr double kRateTolerance = 1e-6;
+  tick::selectFeatures(weights.features);
+  const auto outputs = static_cast<int>(weights.output_weight.rows());
+  if (outputs != config.model.joints()) {
+    throw std::invalid_argument("the network has " + std::to_string(outputs) + " outputs, expected " +
+                                std::to_string(config.model.joints()) + ", one for each joint of the model");
+  }
+  const double rate_Hz = 1.0 / config.bus.map.encoder_period_s;
+  if (std::abs(weights.rate_Hz - rate_Hz) > kRateTolerance * rate_Hz) {
+    throw std::invalid_argument("rate_Hz: " + formatNumber(weights.rate_Hz) + ", expected " +
+                                formatNumber(rate_Hz) + " as the encoder has (encoder_period_s of " +
+                                config.bus_map_path.string() + ")");
+  }
+}
+
 }  // namespace
 
 Backend parseBackend(const std::string& text) {
@@ -113,7 +143,7 @@ Backend parseBackend(const std::string& text) {
       return {kind, text.substr(start.size())};
     }
   }
-  throw std::invalid_argument("backend '" + text + "', expected sim, can:INTERFACE or replay:LOG");
+  throw std::invalid_argument("value '" + text + "', expected sim, can:INTERFACE or replay:LOG");
 }
 
 ClockKind parseClock(const std::string& text) {
@@ -123,7 +153,7 @@ ClockKind parseClock(const std::string& text) {
   if (text == "virtual") {
     return ClockKind::kVirtual;
   }
-  throw std::invalid_argument("clock '" + text + "', expected monotonic or virtual");
+  throw std::invalid_argument("value '" + text + "', expected monotonic or virtual");
 }
 
 RunConfig loadRunConfig(const CommandLine& command_line) {
@@ -139,8 +169,8 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   const std::string backend = bus.string("backend", "sim");
   try {
     config.backend = parseBackend(backend);
-  } catch (const std::invalid_argument&) {
-    throw bus.error("backend", "value '" + backend + "', expected sim, can:INTERFACE or replay:LOG");
+  } catch (const std::invalid_argument& error) {
+    throw bus.error("backend", error.what());
   }
   config.bus_map_path = bus.path("map");
   config.can_bitrate = static_cast<std::uint32_t>(bus.integer("bitrate_bit_s", 0, 8'000'000, 0));
@@ -180,7 +210,22 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   return config;
 }
 
+can::MeasurementDecoder makeDecoder(const RunConfig& config) {
+  return located(config.bus_map_path, [&] {
+    return can::MeasurementDecoder(config.bus.database, config.bus.map, config.model.joints());
+  });
+}
+
+can::CommandEncoder makeEncoder(const RunConfig& config) {
+  return located(config.bus_map_path, [&] {
+    return can::CommandEncoder(config.bus.database, config.bus.command, config.model.joints());
+  });
+}
+
 std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
+  if (config.weights) {
+    located(config.weights_path, [&] { checkNetworkFits(*config.weights, config); });
+  }
   return located(config.path, [&] {
     std::unique_ptr<estimation::Observer> observer;
     if (config.observer == ObserverKind::kImplicitSampler) {

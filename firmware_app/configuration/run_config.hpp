@@ -11,6 +11,8 @@
 #include "core/estimation/sampler_parameters.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/tick/tick.hpp"
+#include "drivers/can/command_encoder.hpp"
+#include "drivers/can/measurement_decoder.hpp"
 #include "drivers/gpio/gpiod_pins.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
 #include "firmware_app/files/model_file.hpp"
@@ -78,7 +80,12 @@ struct RunConfig {
 /// std::invalid_argument for a bad argument.
 RunConfig loadRunConfig(const CommandLine& command_line);
 
-/// The tick as configured. Throws FileError naming the configuration file and the setting.
+/// What reads the bus and what writes to it, as mapped. Throw FileError naming the bus map and the input or
+/// output.
+can::MeasurementDecoder makeDecoder(const RunConfig& config);
+can::CommandEncoder makeEncoder(const RunConfig& config);
+
+/// The tick as configured. Throws FileError naming the file, configuration or weights, and the setting.
 std::unique_ptr<tick::Tick> makeTick(const RunConfig& config);
 
 /// The simulated rig as configured. Throws FileError likewise.

@@ -29,7 +29,9 @@ void readEstimation(const TomlTable& table, RunConfig& config) {
   s.q0 = static_cast<int>(table.integer("q0", 3, 101, s.q0));
   tick::TickSettings& t = config.tick;
   t.velocity_cutoff_Hz = table.number("velocity_cutoff_Hz", kCutoff, t.velocity_cutoff_Hz);
-  t.estimate_cutoff_Hz = table.number("estimate_cutoff_Hz", kCutoff, t.estimate_cutoff_Hz);
+  const Range below_nyquist{
+      .minimum = kCutoff.minimum, .maximum = 0.5 / t.encoder_period_s, .maximum_open = true};
+  t.estimate_cutoff_Hz = table.number("estimate_cutoff_Hz", below_nyquist, t.estimate_cutoff_Hz);
 }
 
 void readEmg(const TomlTable& table, RunConfig& config) {

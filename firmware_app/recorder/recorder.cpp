@@ -29,12 +29,14 @@ struct Closer {
 // One output file; remembers the first failure and writes nothing after it.
 class OutputFile {
  public:
-  OutputFile(const std::filesystem::path& folder, const char* name)
+  OutputFile(const std::filesystem::path& folder, const char* name,
+             std::vector<std::filesystem::path>& created)
       : name_(name), file_(std::fopen((folder / name).c_str(), "wxe")) {
     if (!file_) {
       throw std::runtime_error((folder / name).string() +
                                ": cannot be created: " + std::generic_category().message(errno));
     }
+    created.push_back(folder / name);
     std::setvbuf(file_.get(), nullptr, _IOFBF, kFileBuffer);
   }
 
@@ -70,17 +72,13 @@ void requireNoRecording(const std::filesystem::path& folder) {
   }
 }
 
-// Creates the folder with those above it; returns the ones that were not there, outermost first.
-std::vector<std::filesystem::path> createFolders(const std::filesystem::path& folder) {
+// The folder and those above it that are not there, outermost first.
+std::vector<std::filesystem::path> missingFolders(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> missing;
   std::error_code error;
   for (auto path = folder; !path.empty() && !std::filesystem::exists(path, error) && path != path.root_path();
        path = path.parent_path()) {
     missing.insert(missing.begin(), path);
-  }
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw std::runtime_error(folder.string() + ": cannot be created: " + error.message());
   }
   return missing;
 }
@@ -89,12 +87,13 @@ std::vector<std::filesystem::path> createFolders(const std::filesystem::path& fo
 
 class Recorder::Files {
  public:
-  explicit Files(const RecorderOptions& options)
+  /// Adds what it creates to `created`, one by one: a file that another run put there meanwhile is not ours.
+  Files(const RecorderOptions& options, std::vector<std::filesystem::path>& created)
       : channel_(options.channel),
         columns_(tickColumns(options.joints)),
-        frames_(options.folder, kFileNames[0]),
-        ticks_(options.folder, kFileNames[1]),
-        events_(options.folder, kFileNames[2]) {
+        frames_(options.folder, kFileNames[0], created),
+        ticks_(options.folder, kFileNames[1], created),
+        events_(options.folder, kFileNames[2], created) {
     line_.reserve(kLineCapacity);
     for (const TickColumn& column : columns_) {
       line_ += line_.empty() ? "" : ",";
@@ -190,8 +189,13 @@ class Recorder::Files {
 Recorder::Recorder(const RecorderOptions& options) : options_(options) {
   requireNoRecording(options.folder);
   try {
-    created_folders_ = createFolders(options.folder);
-    auto files = std::make_shared<Files>(options);
+    created_ = missingFolders(options.folder);
+    std::error_code error;
+    std::filesystem::create_directories(options.folder, error);
+    if (error) {
+      throw std::runtime_error(options.folder.string() + ": cannot be created: " + error.message());
+    }
+    auto files = std::make_shared<Files>(options, created_);
     thread_ = std::thread([this, files] { write(*files); });
   } catch (...) {
     discard();
@@ -213,11 +217,8 @@ void Recorder::close() noexcept {
 void Recorder::discard() noexcept {
   close();
   std::error_code ignored;
-  for (const char* name : kFileNames) {
-    std::filesystem::remove(options_.folder / name, ignored);
-  }
-  for (auto folder = created_folders_.rbegin(); folder != created_folders_.rend(); ++folder) {
-    std::filesystem::remove(*folder, ignored);
+  for (auto path = created_.rbegin(); path != created_.rend(); ++path) {
+    std::filesystem::remove(*path, ignored);
   }
 }
 

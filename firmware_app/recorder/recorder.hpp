@@ -63,7 +63,7 @@ class Recorder {
   std::atomic<bool> stop_{false};
   std::string error_;
   RecorderOptions options_;
-  std::vector<std::filesystem::path> created_folders_;  ///< outermost first
+  std::vector<std::filesystem::path> created_;  ///< folders from the outermost, then files
   std::thread thread_;
 };
 

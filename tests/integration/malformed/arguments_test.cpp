@@ -1,0 +1,123 @@
+// Command lines with one defect each.
+#include <doctest/doctest.h>
+
+#include "patella_process.hpp"
+
+using namespace patella::test;
+
+TEST_CASE("an argument out of its range") {
+  expectRunRefused({
+      {"no rate", none(), {"--rate: value 0, expected", "[50, 20000]"}, {"--rate", "0"}},
+      {"absurd rate", none(), {"--rate: value 1e+09, expected", "[50, 20000]"}, {"--rate", "1e9"}},
+      {"rate that is no number", none(), {"--rate: value nan, expected"}, {"--rate", "nan"}},
+      {"unknown backend",
+       none(),
+       {"--backend: value 'foo', expected sim, can:INTERFACE or replay:LOG"},
+       {"--backend", "foo"}},
+      {"backend without a target",
+       none(),
+       {"--backend: value 'can:', expected sim, can:INTERFACE or replay:LOG"},
+       {"--backend", "can:"}},
+      {"virtual clock on a bus",
+       none(),
+       {"clock 'virtual'", "can:can0", "expected monotonic"},
+       {"--backend", "can:can0"}},
+  });
+}
+
+namespace {
+
+// Defects of arguments that expectRunRefused() gives itself.
+void expectRefusedWith(const std::vector<std::string>& arguments, const std::vector<std::string>& says) {
+  const Workshop workshop;
+  std::vector<std::string> words = {"run", "--config", workshop.file(kConfig).string(), "--out",
+                                    workshop.output().string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  const std::set<std::string> before = workshop.listing();
+  const Outcome outcome = workshop.patella(words);
+  INFO(outcome.errors);
+  CHECK(outcome.signal == 0);
+  CHECK(outcome.exit_status == 1);
+  for (const std::string& phrase : says) {
+    CAPTURE(phrase);
+    CHECK(outcome.errors.find(phrase) != std::string::npos);
+  }
+  CHECK(workshop.listing() == before);
+}
+
+}  // namespace
+
+TEST_CASE("a duration that has passed, an unknown clock, a seed below zero") {
+  expectRefusedWith({"--duration", "-1"}, {"--duration: value -1, expected", "[0, "});
+  expectRefusedWith({"--clock", "sundial"}, {"--clock: value 'sundial', expected monotonic or virtual"});
+  expectRefusedWith({"--seed", "-3"}, {"--seed", "-3"});
+}
+
+TEST_CASE("an argument that there is not") {
+  expectRefusedWith({"--fast"}, {"--fast"});
+  expectRefusedWith({"--duration", "ten"}, {"--duration", "ten"});
+  expectRefusedWith({"--rate"}, {"--rate"});
+}
+
+TEST_CASE("no configuration, and no command") {
+  const Workshop workshop;
+  const Outcome run = workshop.patella({"run"});
+  CHECK(run.exit_status == 1);
+  CHECK(run.errors.find("--config is required") != std::string::npos);
+  const Outcome bare = workshop.patella({});
+  CHECK(bare.exit_status == 1);
+  CHECK(bare.errors.find("subcommand is required") != std::string::npos);
+}
+
+TEST_CASE("an interface that there is not") {
+  expectRefusedWith({"--clock", "monotonic", "--backend", "can:nosuch0"}, {"nosuch0"});
+  expectRefusedWith({"--clock", "monotonic", "--backend", "can:a_name_longer_than_the_kernel_allows"},
+                    {"a_name_longer_than_the_kernel_allows"});
+}
+
+TEST_CASE("an output that cannot be created") {
+  const Workshop workshop;
+  workshop.write("occupied", "a file stands where the folder should be");
+  const Outcome outcome =
+      workshop.patella({"run", "--clock", "virtual", "--duration", "0.1", "--config",
+                        workshop.file(kConfig).string(), "--out", workshop.file("occupied/run").string()});
+  INFO(outcome.errors);
+  CHECK(outcome.exit_status == 1);
+  CHECK(outcome.errors.find("occupied/run: cannot be created: Not a directory") != std::string::npos);
+}
+
+TEST_CASE("an output that holds a recording is left as it is") {
+  // Whichever file of a run stands there: none of the others is created beside it.
+  for (const char* name : {"frames.log", "ticks.csv", "events.log", "summary.json"}) {
+    CAPTURE(name);
+    const Workshop workshop;
+    std::filesystem::create_directory(workshop.output());
+    const std::string recording = std::string("out/") + name;
+    workshop.write(recording, "precious");
+    const std::set<std::string> before = workshop.listing();
+    const Outcome outcome =
+        workshop.patella({"run", "--clock", "virtual", "--duration", "0.1", "--config",
+                          workshop.file(kConfig).string(), "--out", workshop.output().string()});
+    INFO(outcome.errors);
+    CHECK(outcome.exit_status == 1);
+    CHECK(outcome.errors.find("out: holds a recording already (" + std::string(name) + ")") !=
+          std::string::npos);
+    CHECK(workshop.listing() == before);
+    CHECK(workshop.read(recording) == "precious");
+  }
+}
+
+TEST_CASE("a host that cannot keep time is refused where it must, and leaves nothing behind") {
+  // No host has that many processors: what is required is missing everywhere.
+  Workshop workshop;
+  workshop.replace(kConfig, "cpus = []", "cpus = [1023]");
+  const std::set<std::string> before = workshop.listing();
+  const Outcome outcome =
+      workshop.patella({"run", "--require-rt", "--duration", "0.1", "--config",
+                        workshop.file(kConfig).string(), "--out", workshop.file("new/nested/run").string()});
+  INFO(outcome.errors);
+  CHECK(outcome.signal == 0);
+  CHECK(outcome.exit_status == 1);
+  CHECK(outcome.errors.find("1023") != std::string::npos);
+  CHECK(workshop.listing() == before);
+}

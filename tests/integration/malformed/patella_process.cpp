@@ -1,0 +1,198 @@
+#include "patella_process.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace patella::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string readAll(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+std::string substituted(std::string text, std::string_view mark, const std::string& value) {
+  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + value.size())) {
+    text.replace(at, mark.size(), value);
+  }
+  return text;
+}
+
+// A foreign architecture's executable runs in the emulator that the build names.
+std::vector<std::string> commandLine(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words;
+  std::istringstream emulator(PATELLA_EMULATOR);
+  for (std::string word; emulator >> word;) {
+    words.push_back(word);
+  }
+  words.emplace_back(PATELLA_EXECUTABLE);
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
+
+void expectRefusal(const Workshop& workshop, const Case& one, const std::vector<std::string>& arguments) {
+  const std::set<std::string> before = workshop.listing();
+  const Outcome outcome = workshop.patella(arguments);
+  INFO("arguments: " << arguments.front() << "; standard error: " << outcome.errors);
+  CHECK(outcome.signal == 0);
+  CHECK(outcome.exit_status == 1);
+  for (const std::string& phrase : one.says) {
+    const std::string expected = substituted(phrase, "{line}", std::to_string(workshop.line()));
+    INFO("expected: " << expected);
+    CHECK(outcome.errors.find(expected) != std::string::npos);
+  }
+  const bool nothing_left_behind = workshop.listing() == before;
+  CHECK(nothing_left_behind);
+}
+
+enum class Commands { kRunOnly, kRunAndCheck };
+
+void expectRefusals(const std::vector<Case>& cases, Commands commands) {
+  for (const Case& one : cases) {
+    INFO("defect: " << std::string(one.defect));
+    Workshop workshop;
+    one.damage(workshop);
+    std::vector<std::string> common = {"--config", workshop.file(kConfig).string()};
+    for (const std::string& argument : one.arguments) {
+      common.push_back(substituted(argument, "{dir}", workshop.file("").string()));
+    }
+    std::vector<std::string> run = {"run", "--clock", "virtual", "--duration", "0.1"};
+    run.insert(run.end(), {"--out", workshop.output().string()});
+    run.insert(run.end(), common.begin(), common.end());
+    expectRefusal(workshop, one, run);
+    if (commands == Commands::kRunAndCheck) {
+      std::vector<std::string> check = {"check"};
+      check.insert(check.end(), common.begin(), common.end());
+      expectRefusal(workshop, one, check);
+    }
+  }
+}
+
+}  // namespace
+
+Workshop::Workshop() {
+  static std::atomic<unsigned> serial{0};
+  const fs::path source = PATELLA_SOURCE_DIR;
+  root_ = fs::temp_directory_path() /
+          ("patella-malformed-" + std::to_string(getpid()) + "-" + std::to_string(serial++));
+  errors_ = root_;
+  errors_ += ".stderr";
+  for (const char* folder : {"firmware_app/config", "drivers/can"}) {
+    fs::create_directories(root_ / folder);
+  }
+  fs::copy(source / "firmware_app/config", root_ / "firmware_app/config",
+           fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+  fs::copy_file(source / kDbc, root_ / kDbc);
+}
+
+Workshop::~Workshop() {
+  std::error_code ignored;
+  fs::remove_all(root_, ignored);
+  fs::remove(errors_, ignored);
+}
+
+fs::path Workshop::file(std::string_view name) const {
+  return root_ / name;
+}
+
+void Workshop::write(std::string_view name, std::string_view bytes) const {
+  std::ofstream(file(name), std::ios::binary) << bytes;
+}
+
+std::string Workshop::read(std::string_view name) const {
+  return readAll(file(name));
+}
+
+void Workshop::replace(std::string_view name, std::string_view from, std::string_view to) {
+  std::string text = read(name);
+  const std::size_t at = text.find(from);
+  INFO(name << " holds, once: " << from);
+  REQUIRE(at != std::string::npos);
+  REQUIRE(text.find(from, at + 1) == std::string::npos);
+  line_ = 1 + static_cast<std::size_t>(
+                  std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  text.replace(at, from.size(), to);
+  write(name, text);
+}
+
+std::set<std::string> Workshop::listing() const {
+  std::set<std::string> paths;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root_)) {
+    paths.insert(fs::relative(entry.path(), root_).string());
+  }
+  return paths;
+}
+
+Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
+  std::vector<std::string> words = commandLine(arguments);
+  std::vector<char*> pointers;
+  for (std::string& word : words) {
+    pointers.push_back(word.data());
+  }
+  pointers.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0600);
+  pid_t child = 0;
+  const int error = posix_spawn(&child, pointers[0], &actions, nullptr, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  REQUIRE(error == 0);
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+
+  Outcome outcome;
+  if (WIFSIGNALED(status)) {
+    outcome.signal = WTERMSIG(status);
+  } else {
+    outcome.exit_status = WEXITSTATUS(status);
+  }
+  outcome.errors = readAll(errors_);
+  return outcome;
+}
+
+Damage replaced(std::string name, std::string from, std::string to) {
+  return [=](Workshop& workshop) { workshop.replace(name, from, to); };
+}
+
+Damage written(std::string name, std::string bytes) {
+  return [=](Workshop& workshop) { workshop.write(name, bytes); };
+}
+
+Damage removed(std::string name) {
+  return [=](Workshop& workshop) { REQUIRE(fs::remove(workshop.file(name))); };
+}
+
+Damage turnedIntoFolder(std::string name) {
+  return [=](Workshop& workshop) {
+    fs::remove(workshop.file(name));
+    fs::create_directory(workshop.file(name));
+  };
+}
+
+Damage none() {
+  return [](Workshop&) {};
+}
+
+void expectRefused(const std::vector<Case>& cases) {
+  expectRefusals(cases, Commands::kRunAndCheck);
+}
+
+void expectRunRefused(const std::vector<Case>& cases) {
+  expectRefusals(cases, Commands::kRunOnly);
+}
+
+}  // namespace patella::test
