@@ -30,6 +30,10 @@ class Bus {
  public:
   virtual ~Bus() = default;
 
+  /// To be called once, right before the first tick: what a live bus gathered while the loop was being set up
+  /// is neither read nor counted.
+  virtual void discardPending() noexcept {}
+
   /// Takes all frames that have arrived, oldest first, up to frames.size(); returns how many. Never waits.
   /// `now_ns` is the loop clock at the start of the tick.
   virtual std::size_t receive(std::span<Frame> frames, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING = 0;

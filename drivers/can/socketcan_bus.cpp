@@ -110,6 +110,7 @@ struct SocketCanBus::State {
   BusStatistics statistics;
   bool interface_down = false;
   std::uint32_t overflow = 0;  ///< the kernel's running count of frames that the socket had no room for
+  bool overflow_known = true;  ///< false: what the next frame reports is where counting starts
 
   // One batch of recvmmsg(2), laid out once.
   struct alignas(cmsghdr) Control {
@@ -206,8 +207,9 @@ void SocketCanBus::State::takeControl(msghdr& header, Frame& frame) noexcept {
       std::uint32_t total = 0;
       std::memcpy(&total, CMSG_DATA(control), sizeof(total));
       // The difference stays right when 32 bits wrap.
-      statistics.receive_dropped += total - overflow;
+      statistics.receive_dropped += overflow_known ? total - overflow : 0U;
       overflow = total;
+      overflow_known = true;
     }
   }
 }
@@ -243,6 +245,14 @@ std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames, std::int6
       ++statistics.frames_received;
   }
   return static_cast<std::size_t>(received);
+}
+
+void SocketCanBus::discardPending() noexcept {
+  std::array<Frame, kBatch> discarded;
+  while (receive(discarded, 0) == discarded.size()) {
+  }
+  state_->statistics = {};
+  state_->overflow_known = false;
 }
 
 std::size_t SocketCanBus::receive(std::span<Frame> frames, std::int64_t now_ns) noexcept {

@@ -34,6 +34,7 @@ class SocketCanBus final : public Bus {
   SocketCanBus(const SocketCanBus&) = delete;
   SocketCanBus& operator=(const SocketCanBus&) = delete;
 
+  void discardPending() noexcept override;
   std::size_t receive(std::span<Frame> frames, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   SendResult send(Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   bool down() const noexcept override;

@@ -54,6 +54,7 @@ void Loop::run(const std::atomic<bool>& stop) noexcept {
   ThreadUsage usage_at_warm = ThreadUsage::ofThisThread();
   HeapCounts heap_at_warm = heap.counts();
 
+  bus_.discardPending();
   // Anchored once and advanced by whole periods: a late tick does not move the ones after it.
   start_ns_ = clock_.now() + period_ns_;
   std::int64_t scheduled_ns = start_ns_;

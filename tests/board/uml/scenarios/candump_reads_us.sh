@@ -19,7 +19,7 @@ cp heard.log "$PATELLA_ARTEFACTS/"
 [ -s recorded.txt ] || { echo "frames.log holds no torque command" >&2; exit 1; }
 cmp heard.txt recorded.txt || { echo "candump heard other commands than the loop recorded" >&2; exit 1; }
 log2asc -I "$run/frames.log" -O frames.asc "$PATELLA_CAN_INTERFACE"
-[ "$(grep -c ' 80 \| 080 ' frames.asc)" = "$(wc -l <recorded.txt)" ] || {
+[ "$(awk '$3 == "80"' frames.asc | wc -l)" = "$(wc -l <recorded.txt)" ] || {
   echo "log2asc read another number of commands than were recorded" >&2
   exit 1
 }
