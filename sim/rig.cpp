@@ -91,6 +91,9 @@ Rig::Rig(const RigOptions& options, model::DynamicsModel truth, model::DynamicsM
       plant_(makePlant(options, std::move(truth), std::move(known))),
       drive_(options.drive, plant_.joints(), options.seed),
       emg_(options.emg, 1e9 / static_cast<double>(options.sensor_period_ns), plant_.joints(), options.seed),
+      recorded_emg_(options.emg_log.empty()
+                        ? std::nullopt
+                        : std::optional<RecordedEmg>(std::in_place, options.emg_log, database)),
       encoders_(makeEncoders(options, plant_.joints())),
       messages_(database, plant_.joints()),
       queue_(options.queue_frames) {}
@@ -164,7 +167,7 @@ void Rig::sample() noexcept {
   }
   queue(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()));
   emg_.advance(time_s, state.dq);
-  queue(messages_.emg(emg_.signal()));
+  queue(messages_.emg(recorded_emg_ ? recorded_emg_->at(now_ns_ - epoch_ns_) : emg_.signal()));
   const JointVector unknown = plant_.takeMeanUnknownDynamics();
   if (publish_truth_) {
     queue(messages_.truth(unknown));

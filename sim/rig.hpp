@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "sim/encoder.hpp"
 #include "sim/interaction_force.hpp"
 #include "sim/plant.hpp"
+#include "sim/recorded_emg.hpp"
 #include "sim/rig_messages.hpp"
 
 namespace patella::sim {
@@ -48,6 +50,7 @@ struct RigOptions {
   std::vector<EffectOptions> hidden_effects;           ///< in the truth alone
   InteractionOptions interaction;
   EmgOptions emg;
+  std::filesystem::path emg_log;  ///< sends the EMG of this log instead; empty: the generator's
   EncoderOptions encoder;
   DriveOptions drive;
   OperatorOptions operator_buttons;
@@ -81,7 +84,7 @@ struct RigStatistics {
 class Rig {
  public:
   /// Builds truth and the loop's model from the options. Throws std::invalid_argument where a value is out of
-  /// range, naming it, or the database lacks a message or signal of the rig.
+  /// range, naming it, or the database lacks a message or signal of the rig; can::LogError for the EMG log.
   Rig(const RigOptions& options, const can::Database& database);
   /// The same with models made elsewhere; mechanism and effects of the options are not looked at.
   Rig(const RigOptions& options, model::DynamicsModel truth, model::DynamicsModel known,
@@ -120,6 +123,7 @@ class Rig {
   Plant plant_;
   Drive drive_;
   EmgGenerator emg_;
+  std::optional<RecordedEmg> recorded_emg_;
   std::vector<Encoder> encoders_;
   RigMessages messages_;
   SpscRing<can::Frame> queue_;

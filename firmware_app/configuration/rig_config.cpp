@@ -47,20 +47,26 @@ void readDrive(const TomlTable& table, std::size_t joints, sim::DriveOptions& op
   options.report_noise_sd_Nm = table.number("report_noise_sd_Nm", kNotNegative, options.report_noise_sd_Nm);
 }
 
-sim::EmgOptions readEmg(const TomlTable& table) {
+void readEmg(const TomlTable& table, sim::RigOptions& rig) {
   const std::string pattern =
-      table.choice("pattern", Names{"none", "scheduled", "movement", "paper"}, "none");
+      table.choice("pattern", Names{"none", "scheduled", "movement", "paper", "recording"}, "none");
+  if (pattern == "recording") {
+    rig.emg_log = table.path("log");
+    return;
+  }
   sim::EmgOptions options = pattern == "scheduled"
                                 ? sim::scheduledEmg(table.number("period_s", kPositive, 2.0))
                             : pattern == "movement" ? sim::movementEmg()
                             : pattern == "paper"    ? sim::paperEmg()
                                                     : sim::EmgOptions{};
+  options.low_Hz = table.number("low_Hz", kPositive, options.low_Hz);
+  options.high_Hz = table.number("high_Hz", kPositive, options.high_Hz);
   options.hum_Hz = table.number("hum_Hz", Range{.minimum = 45.0, .maximum = 65.0}, options.hum_Hz);
   const double hum_mV = table.number("hum_mV", kNotNegative, 0.0);
   for (sim::EmgChannelOptions& channel : options.channels) {
     channel.hum_mV = hum_mV;
   }
-  return options;
+  rig.emg = options;
 }
 
 }  // namespace
@@ -91,7 +97,7 @@ void readRigConfig(const TomlTable& table, RunConfig& config) {
   readInteraction(table.optionalTable("interaction"), rig.interaction);
   readEncoder(table.optionalTable("encoder"), rig.encoder);
   readDrive(table.optionalTable("drive"), joints, rig.drive);
-  rig.emg = readEmg(table.optionalTable("emg"));
+  readEmg(table.optionalTable("emg"), rig);
   const TomlTable buttons = table.optionalTable("operator");
   rig.operator_buttons.enable_at_s = buttons.number("enable_at_s", kNotNegative, 0.0);
   const std::vector<double> none;
