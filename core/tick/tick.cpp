@@ -82,10 +82,12 @@ void Tick::estimate(const TickInput& input) noexcept {
   const double dt_s = m.encoder_steps * settings_.encoder_period_s;
   if (m.has_velocity) {
     output_.velocity_rad_s = m.velocity_rad_s;
-  } else if (seeded_) {
+  } else if (seeded_ && velocity_.velocity().allFinite()) {
     output_.velocity_rad_s = velocity_.update(m.position_rad, dt_s);
   } else {
+    // First sample, or one after a position that was no number, which the filter would never forget.
     velocity_.reset(m.position_rad);
+    output_.velocity_rad_s = velocity_.velocity();
   }
 
   effect_input_.q = m.position_rad;

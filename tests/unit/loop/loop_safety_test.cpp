@@ -1,0 +1,122 @@
+// Statements about torque that the whole loop has to keep, from the line or the frame to the drive.
+#include <doctest/doctest.h>
+
+#include "simulated_run.hpp"
+
+using namespace patella;
+using namespace patella::app;
+using safety::Fault;
+using safety::State;
+
+namespace {
+
+void checkNoTorque(const SimulatedRun& run, int tick) {
+  CAPTURE(tick);
+  CHECK(run.command(tick).torque_is_zero);
+  CHECK_FALSE(run.command(tick).enable);
+  CHECK_FALSE(run.driveEnable(tick));
+}
+
+}  // namespace
+
+TEST_CASE("drive enable is high exactly while the loop is active") {
+  SimulatedRun run(0.2);
+  run.script = [&](int tick) { run.pins.pressEmergencyStop(tick == 700); };
+  run.run(900);
+  int active = 0;
+  for (int tick = 0; tick < 899; ++tick) {
+    const CommandSeen command = run.command(tick);
+    CHECK(run.driveEnable(tick) == (command.state == State::kActive));
+    CHECK(command.enable == (command.state == State::kActive));
+    active += command.enable ? 1 : 0;
+  }
+  CHECK(active > 400);
+}
+
+TEST_CASE("the emergency stop takes torque away in the tick that sees it") {
+  SimulatedRun run;
+  run.script = [&](int tick) { run.pins.pressEmergencyStop(tick >= 500); };
+  const LoopStatistics& statistics = run.run(600);
+  CHECK(run.command(499).enable);
+  CHECK_FALSE(run.command(499).torque_is_zero);
+  checkNoTorque(run, 500);
+  CHECK(run.command(500).state == State::kFault);
+  CHECK(statistics.stops == 1);
+  CHECK(statistics.latched == safety::FaultSet{Fault::kEmergencyStop});
+  CHECK(run.rig().drive().torque().isZero(0.0));
+}
+
+TEST_CASE("an emergency stop of one millisecond stays a stop after the button is released") {
+  SimulatedRun run;
+  run.script = [&](int tick) { run.pins.pressEmergencyStop(tick == 500); };
+  const LoopStatistics& statistics = run.run(2000);
+  for (int tick = 500; tick < 1999; ++tick) {
+    checkNoTorque(run, tick);
+  }
+  CHECK(statistics.final_state == State::kFault);
+  CHECK(statistics.fault_ticks[static_cast<std::size_t>(Fault::kEmergencyStop)] == 1);
+}
+
+TEST_CASE("a reset edge leads to ready only; torque needs enable to be released and raised again") {
+  SimulatedRun run(0.1, {1.0});
+  run.script = [&](int tick) { run.pins.pressEmergencyStop(tick == 500); };
+  const LoopStatistics& statistics = run.run(2000);
+  CHECK(run.command(900).state == State::kFault);
+  CHECK(statistics.final_state == State::kReady);
+  for (int tick = 500; tick < 1999; ++tick) {
+    checkNoTorque(run, tick);
+  }
+}
+
+TEST_CASE("reset while the emergency stop is pressed does nothing, then or later") {
+  SimulatedRun run(0.1, {1.0});
+  run.script = [&](int tick) { run.pins.pressEmergencyStop(tick >= 500 && tick < 1200); };
+  CHECK(run.run(2000).final_state == State::kFault);
+}
+
+TEST_CASE(
+    "commands that do not go out: enable falls with the first, more than tolerated in a row are a fault") {
+  for (const int extra : {0, 1}) {
+    CAPTURE(extra);
+    SimulatedRun run;
+    const int in_a_row = run.options().send_failures_tolerated + extra;
+    run.script = [&](int tick) { run.bus.cut = tick >= 500 && tick < 500 + in_a_row; };
+    const LoopStatistics& statistics = run.run(600);
+    CHECK(run.driveEnable(499));
+    CHECK_FALSE(run.driveEnable(500));
+    const auto send_failed = static_cast<std::size_t>(Fault::kSendFailed);
+    CHECK(statistics.fault_events[send_failed] == static_cast<std::uint64_t>(extra));
+    CHECK(statistics.final_state == (extra == 0 ? State::kActive : State::kFault));
+    if (extra == 1) {
+      checkNoTorque(run, 500 + in_a_row);
+      checkNoTorque(run, 598);
+    } else {
+      CHECK(run.driveEnable(598));
+    }
+  }
+}
+
+TEST_CASE("a bus that is off is a fault in the same tick") {
+  SimulatedRun run;
+  run.script = [&](int tick) { run.bus.off = tick == 500; };
+  const LoopStatistics& statistics = run.run(600);
+  checkNoTorque(run, 500);
+  CHECK(statistics.final_state == State::kFault);
+  CHECK(statistics.latched.has(Fault::kBusOff));
+}
+
+TEST_CASE(
+    "a loop that stands still is answered by the drive's own watchdog, and is a stop when it lives again") {
+  SimulatedRun run;
+  bool enabled_after_the_stall = true;
+  run.script = [&](int tick) {
+    if (tick == 500) {
+      run.clock.pass(40 * kPeriod_ns);
+    } else if (tick == 501) {
+      enabled_after_the_stall = run.rig().statistics().watchdog_trips == 0;
+    }
+  };
+  run.run(600);
+  CHECK_FALSE(enabled_after_the_stall);
+  CHECK(run.rig().statistics().watchdog_trips >= 1);
+}

@@ -1,0 +1,139 @@
+// The whole loop on the in-process rig, in lock step, with a hand on its clock, bus and pins; and what it did
+// at each tick.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/estimation/implicit_sampler.hpp"
+#include "core/safety/state_machine.hpp"
+#include "drivers/gpio/pins.hpp"
+#include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/loop/loop.hpp"
+#include "sim/simulated_bus.hpp"
+
+namespace patella::app {
+
+inline constexpr std::int64_t kPeriod_ns = 1'000'000;
+inline constexpr std::size_t kLongestRun = 4096;  ///< ticks
+
+/// Time that passes when somebody sleeps, or when the test says so.
+class HandClock final : public Clock {
+ public:
+  std::int64_t now() const noexcept PATELLA_NONBLOCKING override { return now_ns_; }
+  std::int64_t wallNow() const noexcept PATELLA_NONBLOCKING override { return now_ns_; }
+  void sleepUntil(std::int64_t instant_ns) noexcept override {
+    now_ns_ = instant_ns > now_ns_ ? instant_ns : now_ns_;
+  }
+  void pass(std::int64_t span_ns) noexcept { now_ns_ += span_ns; }
+
+ private:
+  std::int64_t now_ns_ = 0;
+};
+
+/// The rig's bus, with a line that can be cut for sending. Each receive() begins a tick.
+class HandBus final : public can::Bus {
+ public:
+  HandBus(sim::Rig& rig, const Clock& clock, std::function<void(int)> at_tick)
+      : bus_(rig, clock), at_tick_(std::move(at_tick)) {}
+
+  std::size_t receive(std::span<can::Frame> frames,
+                      std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
+    at_tick_(ticks_++);
+    return bus_.receive(frames, now_ns);
+  }
+  can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
+    tried.push_back(frame);
+    return cut ? can::SendResult::kQueueFull : bus_.send(frame, now_ns);
+  }
+  bool down() const noexcept override { return off; }
+  can::BusStatistics statistics() const noexcept override { return bus_.statistics(); }
+
+  bool cut = false;
+  bool off = false;
+  std::vector<can::Frame> tried;  ///< every command, whether it went out or not
+
+ private:
+  sim::SimulatedBus bus_;
+  std::function<void(int)> at_tick_;
+  int ticks_ = 0;
+};
+
+/// A command frame as the drive reads it (patella.dbc, TorqueCommand).
+struct CommandSeen {
+  explicit CommandSeen(const can::Frame& frame)
+      : torque_is_zero(frame.data[0] == 0 && frame.data[1] == 0 && frame.data[2] == 0 && frame.data[3] == 0 &&
+                       frame.data[4] == 0),
+        enable((frame.data[5] & 1U) != 0),
+        state(static_cast<safety::State>((frame.data[5] >> 1U) & 7U)) {}
+  bool torque_is_zero;
+  bool enable;
+  safety::State state;
+};
+
+/// The shipped demonstration as far as it matters here, on a script: what to do at which tick.
+class SimulatedRun {
+ public:
+  /// The operator raises enable at `enable_at_s` and presses reset at the given times.
+  explicit SimulatedRun(double enable_at_s = 0.1, std::vector<double> reset_at_s = {})
+      : config_(load(enable_at_s, std::move(reset_at_s))),
+        rig_(makeRig(config_)),
+        decoder_(makeDecoder(config_)),
+        encoder_(makeEncoder(config_)),
+        tick_(makeTick(config_)),
+        bus(*rig_, clock, [this](int tick) { atTick(tick); }) {
+    // What is noted down in the loop must not touch the heap there.
+    bus.tried.reserve(kLongestRun);
+    drive_enable_.reserve(kLongestRun);
+  }
+
+  /// Called in the loop at the start of each tick, with its number from 0.
+  std::function<void(int)> script = [](int) {};
+
+  const LoopStatistics& run(std::uint64_t ticks) {
+    config_.loop.max_ticks = ticks;
+    loop_ = std::make_unique<Loop>(config_.loop, clock, bus, pins, decoder_, encoder_, *tick_, nullptr);
+    loop_->run(stop);
+    return loop_->statistics();
+  }
+
+  CommandSeen command(int tick) const { return CommandSeen(bus.tried.at(static_cast<std::size_t>(tick))); }
+  /// The line as tick `tick` left it.
+  bool driveEnable(int tick) const { return drive_enable_.at(static_cast<std::size_t>(tick) + 1); }
+  LoopOptions& options() { return config_.loop; }
+  const sim::Rig& rig() const { return *rig_; }
+
+ private:
+  static RunConfig load(double enable_at_s, std::vector<double> reset_at_s) {
+    CommandLine line;
+    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+    line.clock = "virtual";
+    RunConfig config = loadRunConfig(line);
+    config.rig.operator_buttons = {.enable_at_s = enable_at_s, .reset_at_s = std::move(reset_at_s)};
+    return config;
+  }
+
+  void atTick(int tick) {
+    drive_enable_.push_back(pins.driveEnable());
+    script(tick);
+  }
+
+  RunConfig config_;
+  std::unique_ptr<sim::Rig> rig_;
+  can::MeasurementDecoder decoder_;
+  can::CommandEncoder encoder_;
+  std::unique_ptr<tick::Tick> tick_;
+  std::unique_ptr<Loop> loop_;
+  std::vector<bool> drive_enable_;  ///< before each tick
+
+ public:
+  HandClock clock;
+  gpio::SimulatedPins pins;
+  HandBus bus;
+  std::atomic<bool> stop{false};
+};
+
+}  // namespace patella::app
