@@ -31,12 +31,14 @@ Samples scaled(Samples signal, double factor) {
   return signal;
 }
 
-/// A knee rests where it is in the lowest fifth of its range.
-std::vector<bool> restingSamples(const Samples& motion) {
+/// A knee rests where it is in the lowest fifth of its range and slower than a twentieth of its top speed.
+std::vector<bool> restingSamples(const Samples& motion, const Samples& rate) {
   const double low = quantile(motion, 0.02);
   const double high = low + 0.2 * (quantile(motion, 0.98) - low);
   std::vector<bool> resting(motion.size());
-  std::transform(motion.begin(), motion.end(), resting.begin(), [&](double m) { return m < high; });
+  const double slow = 0.05 * std::max(quantile(rate, 0.98), -quantile(rate, 0.02));
+  std::transform(motion.begin(), motion.end(), rate.begin(), resting.begin(),
+                 [&](double m, double r) { return m < high && std::abs(r) < slow; });
   return resting;
 }
 
@@ -45,7 +47,7 @@ std::vector<bool> restingSamples(const Samples& motion) {
 std::vector<Onset> findOnsets(const Samples& effort, const Samples& motion) {
   const OnsetRule rule;
   const Samples rate = derivative(motion, kRate_Hz);
-  const std::vector<bool> resting = restingSamples(motion);
+  const std::vector<bool> resting = restingSamples(motion, rate);
   const double effort_threshold = onsetThreshold(effort, resting, rule);
   const double rate_threshold = onsetThreshold(rate, resting, rule);
   std::vector<Onset> onsets;

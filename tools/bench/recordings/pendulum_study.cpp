@@ -76,6 +76,11 @@ double causalDelay(const tick::TickSettings& settings) {
          0.5 * settings.encoder_period_s;
 }
 
+Samples inner(const Samples& signal, double rate_Hz) {
+  const auto edge = static_cast<std::ptrdiff_t>(kEdge_s * rate_Hz);
+  return {signal.begin() + edge, signal.end() - edge};
+}
+
 double friction(std::span<const double> torque_Nm, std::span<const double> rate_rad_s) {
   double sum = 0.0;
   int count = 0;
@@ -90,22 +95,18 @@ double friction(std::span<const double> torque_Nm, std::span<const double> rate_
 
 void compare(JointComparison& c, double delay_s, double rate_Hz) {
   c.aligned_Nm = advanced(c.loop_Nm, delay_s, rate_Hz);
-  const auto edge = static_cast<std::size_t>(kEdge_s * rate_Hz);
-  const auto inner = [edge](const Samples& signal) {
-    return std::span(signal).subspan(edge, signal.size() - 2 * edge);
-  };
-  const auto offline = inner(c.offline_Nm);
-  const auto delayed = inner(c.loop_Nm);
-  const auto aligned = inner(c.aligned_Nm);
-  c.correlation_delayed = correlation(offline, delayed);
-  c.correlation_aligned = correlation(offline, aligned);
-  c.rms_loop_Nm = rms(delayed);
-  c.rms_offline_Nm = rms(offline);
-  c.rms_difference_delayed_Nm = rms(difference(delayed, offline));
-  c.rms_difference_aligned_Nm = rms(difference(aligned, offline));
-  c.measured_delay_s = correlationPeak(offline, delayed, rate_Hz, kMaxLag_s).lag_s;
-  c.friction_loop_Nm = friction(aligned, inner(c.rate_rad_s));
-  c.friction_offline_Nm = friction(offline, inner(c.rate_rad_s));
+  for (Samples* signal : {&c.loop_Nm, &c.aligned_Nm, &c.offline_Nm, &c.rate_rad_s}) {
+    *signal = inner(*signal, rate_Hz);
+  }
+  c.correlation_delayed = correlation(c.offline_Nm, c.loop_Nm);
+  c.correlation_aligned = correlation(c.offline_Nm, c.aligned_Nm);
+  c.rms_loop_Nm = rms(c.loop_Nm);
+  c.rms_offline_Nm = rms(c.offline_Nm);
+  c.rms_difference_delayed_Nm = rms(difference(c.loop_Nm, c.offline_Nm));
+  c.rms_difference_aligned_Nm = rms(difference(c.aligned_Nm, c.offline_Nm));
+  c.measured_delay_s = correlationPeak(c.offline_Nm, c.loop_Nm, rate_Hz, kMaxLag_s).lag_s;
+  c.friction_loop_Nm = friction(c.aligned_Nm, c.rate_rad_s);
+  c.friction_offline_Nm = friction(c.offline_Nm, c.rate_rad_s);
 }
 
 }  // namespace
@@ -137,6 +138,7 @@ PendulumStudy studyPendulum(const Folders& folders, const std::string& run) {
     comparison.rate_rad_s = motion.dq_rad_s[joint];
     compare(comparison, study.delay_s, study.rate_Hz);
   }
+  study.time_s = inner(study.time_s, study.rate_Hz);
   return study;
 }
 

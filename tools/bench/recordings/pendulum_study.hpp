@@ -11,7 +11,9 @@
 
 namespace patella::bench {
 
-/// d = I ddq + C dq + K − tau of one joint, N·m: of the loop as it came, and of the inverse dynamics offline.
+/// d = I ddq + C dq + K − tau of one joint, N·m: of the loop as it came, and of the inverse dynamics offline,
+/// both −3 dB at the loop's estimate cutoff (the offline filter is twice as steep beyond). The ends, where
+/// filters settle, are left out.
 struct JointComparison {
   Samples loop_Nm;
   Samples offline_Nm;

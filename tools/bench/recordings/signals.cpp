@@ -115,4 +115,11 @@ double quantile(std::span<const double> signal, double share) {
   return *place;
 }
 
+double median(std::span<const double> signal) {
+  Samples sorted(signal.begin(), signal.end());
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t middle = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
+}
+
 }  // namespace patella::bench

@@ -14,13 +14,7 @@ Samples leads(const EmgStudy& study) {
   for (const Onset& onset : study.onsets) {
     result.push_back(onset.lead_s());
   }
-  std::sort(result.begin(), result.end());
   return result;
-}
-
-double median(const Samples& sorted) {
-  const std::size_t middle = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
 }
 
 std::string leadText(Samples values) {
@@ -49,7 +43,13 @@ std::string emgTable(std::span<const EmgStudy> studies) {
                     study.angle.correlation, kMilli * study.angle.lag_s, study.velocity.correlation,
                     kMilli * study.velocity.lag_s, leadText(of_person), study.simulated_angle_correlation);
   }
-  return text + fmt::format("  {:<64}{}\n", "all", leadText(all));
+  return text + fmt::format("  {:<64}{}\n", "all", leadText(all)) +
+         "  Onset: more than rest by 3 deviations, not below for over 50 ms (Hodges and Bui 1996); motion by "
+         "its\n"
+         "  rate. The envelope's filter takes 37 ms of the lead; the goniometer gave 50 samples a second.\n"
+         "  Angle is the measure of agreement: the muscles carry the shank's weight, most of it at full "
+         "extension,\n"
+         "  when the rate has passed its peak; so torque trails rate.\n";
 }
 
 std::string pendulumTable(std::span<const PendulumStudy> studies) {
