@@ -17,16 +17,17 @@ case "${1:-}" in
 esac
 
 headline() { printf '\n== %s\n' "$*"; }
+# build PRESET TARGET
 build() {
   headline "build: $1"
   mkdir -p build
   cmake --preset "$1" >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
-  cmake --build --preset "$1"
+  cmake --build --preset "$1" --target "$2"
 }
 
 tools/setup.sh --test
 
-build release
+build release all
 if $quick; then
   ctest --preset release -L fast -j "$(nproc)"
   exit 0
@@ -43,7 +44,7 @@ for preset in asan tsan rtsan; do
     echo "SKIPPED: RealtimeSanitizer needs clang++-22, which this distribution does not carry"
     continue
   fi
-  build "$preset"
+  build "$preset" patella_tests
   headline "tests: $preset"
   ctest --preset "$preset" -j "$(nproc)"
 done
