@@ -55,7 +55,7 @@ Tick::Tick(const TickSettings& settings, model::DynamicsModel model,
        {&output_.command.torque_Nm, &output_.velocity_rad_s, &output_.f_s, &output_.f_s_filtered,
         &output_.f_network, &output_.d_hat_Nm, &output_.reference.q, &output_.reference.dq,
         &output_.reference.ddq, &effect_input_.q, &effect_input_.dq, &effect_input_.torque_Nm,
-        &last_command_Nm_}) {
+        &last_command_Nm_, &previous_torque_Nm_}) {
     vector->setZero(joints);
   }
   zero(output_.control, joints);
@@ -93,6 +93,11 @@ void Tick::estimate(const TickInput& input) noexcept {
   effect_input_.q = m.position_rad;
   effect_input_.dq = output_.velocity_rad_s;
   effect_input_.torque_Nm = m.has_drive_torque ? m.drive_torque_Nm : last_command_Nm_;
+  if (settings_.drive_torque_sampled && m.has_drive_torque) {
+    const JointVector before = seeded_ ? previous_torque_Nm_ : m.drive_torque_Nm;
+    effect_input_.torque_Nm = 0.5 * (before + m.drive_torque_Nm);
+    previous_torque_Nm_ = m.drive_torque_Nm;
+  }
   effect_input_.activation = output_.activation;
   effect_input_.time_s = input.time_s;
   if (!seeded_) {

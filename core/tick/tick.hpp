@@ -30,6 +30,9 @@ struct TickSettings {
   double period_s = 1e-3;            ///< between two ticks
   double velocity_cutoff_Hz = 60.0;  ///< of the velocity derived from position, where the encoder gives none
   double estimate_cutoff_Hz = 25.0;  ///< low-pass on f_s before compensation
+  /// The drives' report is a sample of a torque that changes, as a current sensor's is: the mean of two acted
+  /// over the step between them. Otherwise it is the torque that was held over the step.
+  bool drive_torque_sampled = false;
   CompensationSource compensation = CompensationSource::kSampler;
   emg::EmgSettings emg;
   emg::EmgGains emg_gain_Nm{};
@@ -113,6 +116,7 @@ class Tick {
   FeatureVector feature_values_{};
   std::vector<double> network_input_;
   JointVector last_command_Nm_;
+  JointVector previous_torque_Nm_;  ///< applied at the sample before
   double active_since_s_ = 0.0;
   bool seeded_ = false;  ///< estimators have seen a first sample
 };

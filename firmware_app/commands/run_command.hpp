@@ -8,7 +8,8 @@
 
 namespace patella::app {
 
-/// Exit status of `patella run`. A run that ended in a latched stop is not a success.
+/// Exit status of `patella run`. A run that ended in a latched stop is not a success, unless it
+/// replays one.
 enum class RunStatus { kOk = 0, kStopped = 3, kRecordingFailed = 4 };
 
 /// Runs until the configured duration is over, the log is at its end, or `stop` is set. Leaves frames.log,

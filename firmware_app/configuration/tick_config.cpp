@@ -28,6 +28,8 @@ void readEstimation(const TomlTable& table, RunConfig& config) {
   s.p0 = static_cast<int>(table.integer("p0", 1, 99, s.p0));
   s.q0 = static_cast<int>(table.integer("q0", 3, 101, s.q0));
   tick::TickSettings& t = config.tick;
+  t.drive_torque_sampled =
+      table.choice("drive_torque", std::vector<std::string>{"held", "sampled"}, "held") == "sampled";
   t.velocity_cutoff_Hz = table.number("velocity_cutoff_Hz", kCutoff, t.velocity_cutoff_Hz);
   const Range below_nyquist{
       .minimum = kCutoff.minimum, .maximum = 0.5 / t.encoder_period_s, .maximum_open = true};

@@ -139,7 +139,8 @@ void writeCurves(std::ostream& script, const Figure& figure, const std::string& 
     }
     script << "EOD\n";
   }
-  script << "set yrange " << rangeText(verticalRange(figure)) << "\n";
+  const std::pair<double, double> range = verticalRange(figure);
+  script << "set yrange " << rangeText(range) << "\n";
   if (!figure.right_label.empty()) {
     script << "set y2label " << quoted(figure.right_label) << " noenhanced offset -1,0\nset y2tics\n"
            << "set y2range " << (figure.right_range ? rangeText(*figure.right_range) : "[*:*]")
@@ -150,6 +151,9 @@ void writeCurves(std::ostream& script, const Figure& figure, const std::string& 
            << formatNumber(shade.to) << ",graph 1 fc rgb '" << shade.colour << "' fs solid noborder behind\n";
   }
   for (const Level& level : figure.levels) {
+    if (level.value < range.first || level.value > range.second) {
+      continue;  // gnuplot would draw it across the neighbouring figures
+    }
     const std::string value = formatNumber(level.value);
     script << "set arrow from graph 0,first " << value << " to graph 1,first " << value
            << " nohead dt (6,4) lw 1 lc rgb '#B00020' front\n";

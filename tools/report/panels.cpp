@@ -227,7 +227,7 @@ void addUnknown(const Curves& curves, int joint, std::vector<Figure>& figures) {
 
   Figure zoom = whole;
   zoom.series.clear();
-  zoom.title += ", one second";
+  zoom.title = jointName(joint) + ", one second";
   for (const char* stem : {"f_true", "f_s_filtered", "f_s"}) {
     if (const std::string name = column(stem, joint, "_rad_s2"); curves.has(name)) {
       const auto [first, last] = liveliestSecond(curves, curves.column(name));
@@ -300,6 +300,9 @@ void addTiming(const Curves& curves, const std::string& name, const std::string&
     return;
   }
   const auto values = curves.column(name);
+  if (!(percentile(values, 1.0) > 0.0)) {
+    return;  // virtual time: nothing takes any
+  }
   Figure figure;
   figure.section = "Timing";
   figure.title = title;

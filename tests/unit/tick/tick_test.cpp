@@ -162,3 +162,36 @@ TEST_CASE("a rig of one joint is held as well") {
   CHECK(tick.step(input).state == State::kActive);
   CHECK(std::abs(plant.state().q[0] - pose[0]) < 0.005);
 }
+
+TEST_CASE("a drive torque that was sampled, not held, is averaged over the step") {
+  constexpr double kSlope_Nm_s = 100.0;  // under which a joint of 1 kg·m² moves exactly as computed below
+  const auto estimateUnderRamp = [](bool sampled) {
+    TickSettings settings = holdingSettings();
+    settings.drive_torque_sampled = sampled;
+    settings.gains.stiffness_Nm_rad = JointVector::Zero(1);
+    settings.gains.damping_Nms_rad = JointVector::Zero(1);
+    model::DynamicsModel joint(std::make_unique<model::RevoluteJoint>(model::RevoluteJointParameters{
+                                   .inertia_kg_m2 = 1.0, .moment_kg_m = 0.0, .length_m = 0.4}),
+                               {});
+    Tick tick(settings, std::move(joint),
+              std::make_unique<estimation::ImplicitSampler>(estimation::SamplerParameters{}), nullptr, {},
+              network::OutputKind::kAcceleration);
+    TickInput input;
+    input.complete = true;
+    input.measurement.has_velocity = true;
+    input.measurement.has_drive_torque = true;
+    input.measurement.encoder_steps = 1;
+    double f_s = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      const double t_s = i * kPeriod_s;
+      input.measurement.position_rad = JointVector::Constant(1, kSlope_Nm_s * t_s * t_s * t_s / 6.0);
+      input.measurement.velocity_rad_s = JointVector::Constant(1, kSlope_Nm_s * t_s * t_s / 2.0);
+      input.measurement.drive_torque_Nm = JointVector::Constant(1, kSlope_Nm_s * t_s);
+      input.time_s = t_s;
+      f_s = tick.step(input).f_s[0];
+    }
+    return f_s;
+  };
+  CHECK(estimateUnderRamp(true) == doctest::Approx(0.0).epsilon(1e-9));
+  CHECK(estimateUnderRamp(false) == doctest::Approx(-kSlope_Nm_s * kPeriod_s / 2.0).epsilon(1e-6));
+}
