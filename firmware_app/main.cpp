@@ -43,7 +43,7 @@ void addCommon(CLI::App& command, patella::app::CommandLine& line) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app("Real-time control loop for knee rehabilitation robots.", "patella");
   app.set_version_flag("--version", std::string("patella ") + PATELLA_VERSION);
   app.require_subcommand(1);

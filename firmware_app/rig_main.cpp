@@ -24,7 +24,7 @@ void requestStop(int /*signal*/) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app(
       "Simulated rig on a CAN interface: sends encoder, drive, EMG and operator frames, obeys torque "
       "commands.",

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -17,7 +18,7 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
 std::string because(int error) {
-  return std::string(": ") + std::strerror(error);
+  return ": " + std::generic_category().message(error);
 }
 
 }  // namespace

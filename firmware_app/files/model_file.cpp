@@ -26,6 +26,8 @@ template <typename... Visitors>
 struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
+template <typename... Visitors>
+Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 std::array<double, 2> readPair(const TomlTable& table, std::string_view key, Range range) {
   const std::vector<double> values = table.numbers(key, CountRange::exactly(2), range);

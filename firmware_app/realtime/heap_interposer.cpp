@@ -14,11 +14,14 @@
 extern "C" {
 extern const bool patella_heap_is_interposed = true;
 
+// The names are the C library's.
+// NOLINTBEGIN(readability-identifier-naming)
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* block);
+// NOLINTEND(readability-identifier-naming)
 }
 
 namespace {

@@ -66,8 +66,8 @@ __attribute__((noinline)) void touchStack(std::size_t bytes) {
 
 void touchHeap(std::size_t bytes) {
   // Keep what was touched: give nothing back to the kernel, and serve large blocks from the same heap.
-  mallopt(M_TRIM_THRESHOLD, -1);
-  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);  // NOLINT(concurrency-mt-unsafe): set-up, once
+  mallopt(M_MMAP_MAX, 0);         // NOLINT(concurrency-mt-unsafe): set-up, once
   auto* const block = static_cast<volatile char*>(std::malloc(bytes));
   if (block == nullptr) {
     return;

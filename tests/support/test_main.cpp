@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/paths.hpp"
+
 namespace {
 constexpr int kSkipped = 77;
 }

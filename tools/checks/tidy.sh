@@ -1,20 +1,21 @@
 #!/usr/bin/env bash
 # Runs clang-tidy over the product's sources (not the tests) with the compile commands of a build folder.
-# A file that passed is not looked at again until it, a header, or the rules change.
+# A file that passed is not looked at again until it, a header, or the rules change; what passed is remembered in the
+# user's cache folder, for every checkout.
 #
 #   tools/checks/tidy.sh BUILD_DIR
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${1:?usage: tools/checks/tidy.sh BUILD_DIR}
-stamps=$build/tidy-passed
+stamps=${XDG_CACHE_HOME:-$HOME/.cache}/patella-tidy
 mkdir -p "$stamps"
 export build stamps
 rules=$(cat .clang-tidy tools/cmake/CompilerSettings.cmake $(find core drivers sim firmware_app tools -name '*.hpp' | sort) | sha1sum | cut -c1-40)
 export rules
 check() {
-  stamp=$stamps/$( (echo "$rules $1"; cat "$1") | sha1sum | cut -c1-40)
+  stamp=$stamps/$( (echo "$rules ${1#"$PWD/"}"; cat "$1") | sha1sum | cut -c1-40)
   [ -e "$stamp" ] && return 0
-  clang-tidy --quiet -p "$build" "$1" 2>"$stamp.log" || { grep -v 'warnings generated' "$stamp.log" >&2; return 1; }
+  clang-tidy --quiet -p "$build" --extra-arg=-Wno-unknown-warning-option "$1" 2>"$stamp.log" || { grep -v 'warnings generated' "$stamp.log" >&2; return 1; }
   rm -f "$stamp.log"
   touch "$stamp"
 }

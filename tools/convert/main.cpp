@@ -48,7 +48,7 @@ void decode(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app(
       "Turns a recorded CSV into a log of CAN frames (candump -l), by a bus description and a map of columns "
       "to "

@@ -28,7 +28,7 @@ nlohmann::json loadSummary(const std::filesystem::path& path) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App arguments("Draws a recorded run: ticks.csv and summary.json of a run folder become one HTML page.",
                      "patella-report");
   std::filesystem::path run;

@@ -11,6 +11,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/csv_table.hpp"
+#include "tests/support/paths.hpp"
 #include "tools/bench/recordings/emg_study.hpp"
 #include "tools/bench/recordings/pendulum_study.hpp"
 

@@ -8,6 +8,7 @@
 
 #include "firmware_app/loop/loop.hpp"
 #include "sim/simulated_bus.hpp"
+#include "tests/support/paths.hpp"
 
 namespace patella::test {
 

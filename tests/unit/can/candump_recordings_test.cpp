@@ -9,6 +9,7 @@
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/replay_bus.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace patella::can;
 

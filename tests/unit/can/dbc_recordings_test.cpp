@@ -11,6 +11,7 @@
 
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/signal_codec.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace patella::can;
 

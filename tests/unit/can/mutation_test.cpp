@@ -13,6 +13,7 @@
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/signal_codec.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace patella::can;
 

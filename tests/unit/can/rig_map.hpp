@@ -6,6 +6,7 @@
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/message_codec.hpp"
+#include "tests/support/paths.hpp"
 
 namespace patella::can::test {
 

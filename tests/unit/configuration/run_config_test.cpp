@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/paths.hpp"
+
 using namespace patella::app;
 
 namespace {

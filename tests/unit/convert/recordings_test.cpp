@@ -9,6 +9,7 @@
 #include "core/model/planar_two_link.hpp"
 #include "drivers/can/message_codec.hpp"
 #include "firmware_app/files/csv_table.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/unit/convert/rig.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 #include "tools/convert/csv_to_log.hpp"

@@ -7,6 +7,7 @@
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/dbc.hpp"
+#include "tests/support/paths.hpp"
 
 namespace patella::test {
 

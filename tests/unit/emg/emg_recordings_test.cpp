@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "core/emg/emg_chain.hpp"
+#include "tests/support/paths.hpp"
 
 using patella::EmgArray;
 

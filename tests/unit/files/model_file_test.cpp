@@ -8,6 +8,7 @@
 
 #include "core/model/presets.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;

@@ -14,6 +14,7 @@
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "sim/simulated_bus.hpp"
+#include "tests/support/paths.hpp"
 
 namespace patella::app {
 

@@ -9,6 +9,7 @@
 #include "drivers/can/dbc.hpp"
 #include "sim/rig.hpp"
 #include "sim/rig_messages.hpp"
+#include "tests/support/paths.hpp"
 
 namespace patella::sim {
 

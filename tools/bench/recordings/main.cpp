@@ -44,7 +44,7 @@ void bench(const Folders& folders) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app("Runs recorded EMG and a recorded arm through the loop and compares with what was measured.",
                "patella-bench-recordings");
   Folders folders{.data = {}, .project = PATELLA_SOURCE_DIR, .out = {}};

@@ -183,7 +183,7 @@ void report(std::ostream& out, const Options& options) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   Options options;
   CLI::App app{"Accuracy of the finite-time sampler in the paper's experiments"};
   app.add_option("--seconds", options.seconds, "length of each experiment, s")
