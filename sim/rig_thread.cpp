@@ -77,7 +77,8 @@ void RigThread::run() noexcept {
     parameters.sched_priority = priority_;
     pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
   }
-  std::int64_t instant_ns = clock_.now();
+  const std::int64_t period_ns = rig_.sensorPeriod_ns();
+  std::int64_t instant_ns = (clock_.now() / period_ns + 1) * period_ns;
   rig_.advance(instant_ns);
   can::Frame frame;
   while (running_.load(std::memory_order_relaxed)) {
@@ -93,7 +94,7 @@ void RigThread::run() noexcept {
         dropped_.fetch_add(1, std::memory_order_relaxed);
       }
     }
-    instant_ns += rig_.sensorPeriod_ns();
+    instant_ns += period_ns;
   }
 }
 

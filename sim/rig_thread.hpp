@@ -25,8 +25,8 @@ class RigThread final : public can::Bus {
   RigThread(const RigThread&) = delete;
   RigThread& operator=(const RigThread&) = delete;
 
-  /// Begins at the present instant; time that passed between stop() and another start() is made up for.
-  /// Throws std::system_error when no thread can be had.
+  /// Begins at the next whole period of the clock, as a rig that is synchronised to it does; time that passed
+  /// between stop() and another start() is made up for. Throws std::system_error when no thread can be had.
   void start();
   /// Returns when the thread has ended; harmless when it does not run.
   void stop() noexcept;

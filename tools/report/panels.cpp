@@ -227,7 +227,7 @@ void addUnknown(const Curves& curves, int joint, std::vector<Figure>& figures) {
 
   Figure zoom = whole;
   zoom.series.clear();
-  zoom.title = jointName(joint) + ", one second";
+  zoom.title = "f_u, " + jointName(joint) + ", 1 s";
   for (const char* stem : {"f_true", "f_s_filtered", "f_s"}) {
     if (const std::string name = column(stem, joint, "_rad_s2"); curves.has(name)) {
       const auto [first, last] = liveliestSecond(curves, curves.column(name));

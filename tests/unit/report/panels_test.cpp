@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/report/gnuplot.hpp"
+
 using namespace patella;
 using namespace patella::report;
 
@@ -65,9 +67,25 @@ TEST_CASE("the zoom shows the second in which the unknown dynamics are largest w
     csv += std::to_string(t) + (active ? ",2," : ",4,") + std::to_string(f) + "\n";
   }
   const auto figures = panelsOf(csv);
-  const Figure* zoom = find(figures, "Unknown f_u, joint 1, one second");
+  const Figure* zoom = find(figures, "f_u, joint 1, 1 s");
   REQUIRE(zoom != nullptr);
   REQUIRE(zoom->x_range.has_value());
   CHECK(zoom->x_range->first == doctest::Approx(5.0));
   CHECK(zoom->x_range->second == doctest::Approx(5.99));
+}
+
+TEST_CASE("a limit far from the curve is not drawn, one near it is") {
+  const std::string csv = "t_s,tau_cmd1_Nm\n0,1\n1,2\n";
+  const auto drawn = [&](double limit_Nm) {
+    const auto figures = panelsOf(csv, {{"torque_limit_Nm", limit_Nm}});
+    return drawSvg(figures)[0].find("rgb(176,   0,  32)") != std::string::npos;
+  };
+  CHECK(drawn(2.5));
+  CHECK_FALSE(drawn(500.0));
+}
+
+TEST_CASE("times that are all zero, as in virtual time, make no histogram") {
+  CHECK(find(panelsOf("t_s,wakeup_us\n0,0\n1,0\n"), "Wake-up latency") == nullptr);
+  const auto figures = panelsOf("t_s,wakeup_us\n0,3\n1,4\n");
+  CHECK(std::any_of(figures.begin(), figures.end(), [](const Figure& f) { return f.histogram.has_value(); }));
 }
