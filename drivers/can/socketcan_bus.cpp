@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "drivers/can/error_monitor.hpp"
-#include "drivers/gpio/kernel_call.hpp"
+#include "drivers/kernel_call.hpp"
 
 namespace patella::can {
 namespace {
@@ -222,7 +222,7 @@ std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames, std::int6
   }
   int received = 0;
   {
-    const gpio::KernelCall never_waits;
+    const KernelCall never_waits;
     received = recvmmsg(socket.fd, messages.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT, nullptr);
   }
   if (received < 0) {
@@ -283,7 +283,7 @@ SendResult SocketCanBus::send(Frame& frame, std::int64_t now_ns) noexcept {
   int error = 0;
   timespec wall{};
   {
-    const gpio::KernelCall never_waits;
+    const KernelCall never_waits;
     sent = ::send(state.socket.fd, &wire, size, MSG_DONTWAIT);
     error = errno;
     clock_gettime(CLOCK_REALTIME, &wall);

@@ -8,7 +8,7 @@
 #include <gpiod.h>
 
 #include "drivers/gpio/gpiod_line.hpp"
-#include "drivers/gpio/kernel_call.hpp"
+#include "drivers/kernel_call.hpp"
 
 namespace patella::gpio {
 

@@ -11,7 +11,7 @@
 #endif
 #endif
 
-namespace patella::gpio {
+namespace patella {
 
 #if defined(PATELLA_HAS_REALTIME_SANITIZER)
 using KernelCall = __rtsan::ScopedDisabler;
@@ -22,4 +22,4 @@ struct KernelCall {
 };
 #endif
 
-}  // namespace patella::gpio
+}  // namespace patella
