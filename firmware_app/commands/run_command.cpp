@@ -104,9 +104,9 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
   });
 
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
+  auto shown = std::chrono::steady_clock::now();
   while (!finished.load(std::memory_order_acquire)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    static auto shown = std::chrono::steady_clock::now();
     if (on_terminal && std::chrono::steady_clock::now() - shown > kProgressPeriod) {
       shown = std::chrono::steady_clock::now();
       const double time_s = static_cast<double>(recorder.writtenTicks()) / config.loop.rate_Hz;
