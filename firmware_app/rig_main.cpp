@@ -3,7 +3,9 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -45,13 +47,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   sigaction(SIGTERM, &action, nullptr);
 
   try {
-    const patella::app::Backend backend = patella::app::parseBackend(interface);
-    if (backend.kind != patella::app::BackendKind::kCan) {
-      throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE");
+    constexpr std::string_view kPrefix = "can:";
+    if (!interface.starts_with(kPrefix) || interface.size() == kPrefix.size()) {
+      throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE, such as can:vcan0");
     }
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
     const auto rig = patella::app::makeRig(config);
-    patella::can::SocketCanBus bus(backend.target);
+    patella::can::SocketCanBus bus(interface.substr(kPrefix.size()));
     patella::MonotonicClock clock;
     patella::app::RealtimeOptions realtime;
     realtime.priority = config.realtime.priority > 1 ? config.realtime.priority - 1 : 0;
