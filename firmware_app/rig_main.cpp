@@ -39,7 +39,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--duration", options.duration_s, "seconds; 0 runs until Ctrl-C")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--seed", line.seed, "of noise, EMG and patient");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
 
   struct sigaction action {};
   action.sa_handler = requestStop;

@@ -71,10 +71,14 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   log->excludes(recording)->excludes(map)->excludes(rate);
   recording->needs(map);
   map->needs(recording);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
   if (log->empty() && recording->empty()) {
     std::cerr << "patella-convert: expected a recording with --map, or --decode LOG\n";
-    return 2;
+    return 1;
   }
 
   try {

@@ -39,7 +39,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::ExistingDirectory);
   arguments.add_option("--out", page, "page to write; RUN_DIR/report.html unless given");
   arguments.add_option("--png", picture, "also write all figures as one PNG picture");
-  CLI11_PARSE(arguments, argc, argv);
+  try {
+    arguments.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return arguments.exit(error) == 0 ? 0 : 1;
+  }
 
   try {
     const auto ticks = patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true});

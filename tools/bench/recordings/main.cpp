@@ -55,7 +55,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--project", folders.project, "checkout with configurations and maps")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
   try {
     bench(folders);
   } catch (const std::exception& error) {

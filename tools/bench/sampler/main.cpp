@@ -191,7 +191,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::Range(2.0, 1000.0));
   app.add_option("--seed", options.seed, "of torque and noise")->capture_default_str();
   app.add_option("--out", options.out, "write the tables to this file (Markdown) instead of the terminal");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
 
   if (options.out.empty()) {
     report(std::cout, options);
