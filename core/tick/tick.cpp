@@ -126,6 +126,7 @@ void Tick::seed() noexcept {
   if (network_) {
     network_->reset();
   }
+  output_.estimated = false;  // what was estimated in this tick is given up
   output_.f_s.setZero();
   output_.f_s_filtered.setZero();
   output_.f_network.setZero();

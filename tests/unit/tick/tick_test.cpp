@@ -107,6 +107,7 @@ TEST_CASE("whatever was estimated before is forgotten when the loop becomes acti
   leg.enable(true);
   const TickOutput& output = leg.step();
   REQUIRE(output.entered_active);
+  CHECK_FALSE(output.estimated);
   CHECK(output.f_s.isZero(0.0));
   CHECK(output.f_s_filtered.isZero(0.0));
   CHECK(output.d_hat_Nm.isZero(0.0));
