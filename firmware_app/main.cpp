@@ -37,6 +37,11 @@ void addCommon(CLI::App& command, patella::app::CommandLine& line) {
   command.add_option("--backend", line.backend,
                      "sim, can:INTERFACE or replay:LOG; wins over the configuration");
   command.add_option("--model", line.model, "model of the leg, TOML; wins over the configuration");
+  command.add_option(
+      "--rig-model", line.rig_model,
+      "what the simulated rig really is, TOML; wins over the configuration, which --model does not touch");
+  command.add_option("--reference", line.reference,
+                     "reference motion, TOML with what [reference] holds; wins over it");
   command.add_option("--weights", line.weights, "network, safetensors; wins over the configuration");
   command.add_flag("--require-rt", line.require_rt, "refuse a host that cannot keep time");
 }

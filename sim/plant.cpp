@@ -116,7 +116,7 @@ double Plant::energy() const noexcept {
 }
 
 model::EffectInput Plant::inputAt(const PlantState& state, double time_s) const noexcept {
-  return {state.q, state.dq, torque_Nm_, activation_, time_s};
+  return {state.q, state.dq, torque_Nm_, activation_, time_s, true};
 }
 
 }  // namespace patella::sim

@@ -16,7 +16,7 @@ struct PlantState {
 
 /// Integrates  ddq = f + I⁻¹ tau + interaction  by classical Runge–Kutta with the torque held over each step.
 ///
-/// Effects with memory see their memory frozen within a step and are advanced after it, with the state at its
+/// Effects with memory are asked at the trial states of a step, and advanced after it with the state at its
 /// end; the method is of fourth order where there are none.
 class Plant {
  public:

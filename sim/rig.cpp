@@ -162,8 +162,10 @@ void Rig::sample() noexcept {
   for (std::size_t joint = 0; joint < encoders_.size(); ++joint) {
     const auto i = static_cast<Eigen::Index>(joint);
     Encoder& encoder = encoders_[joint];
-    queue(
-        messages_.encoder(joint, encoder.measurePosition(state.q(i)), encoder.measureVelocity(state.dq(i))));
+    // One after the other: the order of arguments is the compiler's, and both draw from one random sequence.
+    const double velocity_rad_s = encoder.measureVelocity(state.dq(i));
+    const double position_rad = encoder.measurePosition(state.q(i));
+    queue(messages_.encoder(joint, position_rad, velocity_rad_s));
   }
   queue(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()));
   emg_.advance(time_s, state.dq);

@@ -40,7 +40,7 @@ ControlOutput ControlLaw::compute(const ControlInput& in) const noexcept PATELLA
   }
   if (gains_.model != 0.0) {
     out.model.noalias() = in.terms.inertia * in.reference.ddq;
-    out.model = gains_.model * (out.model + in.terms.bias_Nm - in.gravity_Nm);
+    out.model = gains_.model * (out.model + in.terms.bias_Nm + in.terms.drive_Nm - in.gravity_Nm);
   }
   if (gains_.emg != 0.0) {
     out.emg = gains_.emg * in.emg_torque_Nm;

@@ -2,6 +2,9 @@
 //
 //   τ = g_gravity K(q)                                        gravity
 //     + g_model  [ I(q) ddq_ref + (C dq + K − effects) − K ]  model without gravity: nothing counts twice
+//                                                             effects of the drive itself are left to
+//                                                             feedback: what balanced them would come back as
+//                                                             one of them
 //     + g_emg    τ_emg                                        assistance
 //     + K_p (q_ref − q) + K_d (dq_ref − dq)                   impedance
 //     − g_comp   I(q) f̂_u                                     compensation: d̂ = I f̂_u

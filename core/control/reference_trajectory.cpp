@@ -33,11 +33,27 @@ Sample minimumJerk(double t_s, double duration_s) noexcept {
           60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (duration_s * duration_s)};
 }
 
+void addSine(double amplitude_rad, double frequency_Hz, double phase_rad, double t_s, Sample& sum) noexcept {
+  const double omega = 2.0 * std::numbers::pi * frequency_Hz;
+  const double angle = omega * t_s + phase_rad;
+  const double sine = amplitude_rad * std::sin(angle);
+  sum.value += sine;
+  sum.rate += omega * amplitude_rad * std::cos(angle);
+  sum.acceleration -= omega * omega * sine;
+}
+
 Sample sinusoid(const SinusoidMotion& motion, double t_s) noexcept {
-  const double omega = 2.0 * std::numbers::pi * motion.frequency_Hz;
-  const double angle = omega * t_s + motion.phase_rad;
-  const double sine = motion.amplitude_rad * std::sin(angle);
-  return {motion.offset_rad + sine, omega * motion.amplitude_rad * std::cos(angle), -omega * omega * sine};
+  Sample sample{.value = motion.offset_rad};
+  addSine(motion.amplitude_rad, motion.frequency_Hz, motion.phase_rad, t_s, sample);
+  return sample;
+}
+
+Sample multisine(const MultisineMotion& motion, double t_s) noexcept {
+  Sample sample{.value = motion.offset_rad};
+  for (const SineComponent& component : motion.components) {
+    addSine(component.amplitude_rad, component.frequency_Hz, component.phase_rad, t_s, sample);
+  }
+  return sample;
 }
 
 /// start + weight · (target − start)
@@ -55,8 +71,27 @@ Sample evaluate(const JointMotion& motion, double start, double blend_s, double 
   if (const auto* wave = std::get_if<SinusoidMotion>(&motion)) {
     return blend(start, minimumJerk(t_s, blend_s), sinusoid(*wave, t_s));
   }
+  if (const auto* waves = std::get_if<MultisineMotion>(&motion)) {
+    return blend(start, minimumJerk(t_s, blend_s), multisine(*waves, t_s));
+  }
   const auto* hold = std::get_if<HoldMotion>(&motion);
   return blend(start, minimumJerk(t_s, blend_s), {.value = hold->position_rad.value_or(start)});
+}
+
+void validate(const MultisineMotion& motion, const std::string& prefix) {
+  requireRange(prefix + "offset_rad", motion.offset_rad, -kMaxAngle_rad, kMaxAngle_rad);
+  requireRange(prefix + "components", static_cast<double>(motion.components.size()), 1.0,
+               static_cast<double>(MultisineMotion::kMaxComponents));
+  double sum_rad = 0.0;
+  for (std::size_t k = 0; k < motion.components.size(); ++k) {
+    const std::string suffix = "[" + std::to_string(k + 1) + "]";
+    const SineComponent& component = motion.components[k];
+    requireRange(prefix + "amplitude_rad" + suffix, component.amplitude_rad, 0.0, std::numbers::pi);
+    requireRange(prefix + "frequency_Hz" + suffix, component.frequency_Hz, 0.0, kMaxFrequency_Hz);
+    requireRange(prefix + "phase_rad" + suffix, component.phase_rad, -kMaxAngle_rad, kMaxAngle_rad);
+    sum_rad += component.amplitude_rad;
+  }
+  requireRange(prefix + "sum of amplitude_rad", sum_rad, 0.0, std::numbers::pi);
 }
 
 void validate(const JointMotion& motion, const std::string& prefix) {
@@ -68,12 +103,19 @@ void validate(const JointMotion& motion, const std::string& prefix) {
     requireRange(prefix + "amplitude_rad", wave->amplitude_rad, -kMaxAngle_rad, kMaxAngle_rad);
     requireRange(prefix + "frequency_Hz", wave->frequency_Hz, 0.0, kMaxFrequency_Hz);
     requireRange(prefix + "phase_rad", wave->phase_rad, -kMaxAngle_rad, kMaxAngle_rad);
+  } else if (const auto* waves = std::get_if<MultisineMotion>(&motion)) {
+    validate(*waves, prefix);
   } else if (const auto* hold = std::get_if<HoldMotion>(&motion); hold->position_rad.has_value()) {
     requireRange(prefix + "position_rad", *hold->position_rad, -kMaxAngle_rad, kMaxAngle_rad);
   }
 }
 
 }  // namespace
+
+double schroederPhase_rad(std::size_t index, std::size_t count) noexcept {
+  const auto k = static_cast<double>(index);
+  return std::fmod(-std::numbers::pi * k * (k + 1.0) / static_cast<double>(count), 2.0 * std::numbers::pi);
+}
 
 ReferenceTrajectory::ReferenceTrajectory(int joints, const ReferenceSettings& settings)
     : settings_(settings), start_() {

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "core/types.hpp"
 
@@ -23,16 +24,35 @@ struct SinusoidMotion {
   double phase_rad = 0.0;
 };
 
+struct SineComponent {
+  double amplitude_rad = 0.0;
+  double frequency_Hz = 0.0;
+  double phase_rad = 0.0;
+};
+
+/// offset + Σ amplitude_k · sin(2π f_k t + phase_k), t since activation: moves at many speeds and
+/// accelerations in many poses, as identification needs.
+struct MultisineMotion {
+  static constexpr std::size_t kMaxComponents = 32;
+
+  double offset_rad = 0.0;
+  std::vector<SineComponent> components;  ///< 1…kMaxComponents; their amplitudes add up to π at most
+};
+
+/// Phase of component `index` (from 0) of `count` of equal amplitude that keeps their sum's peak low, rad, in
+/// (−2π, 0]. Source: Schroeder 1970, IEEE Trans. Information Theory 16(1), 85–89: −π k (k − 1) / n, k from 1.
+double schroederPhase_rad(std::size_t index, std::size_t count) noexcept;
+
 /// From the pose at activation to target_rad in duration_s with minimum jerk, then stay.
 struct MoveMotion {
   double target_rad = 0.0;
   double duration_s = 1.0;
 };
 
-using JointMotion = std::variant<HoldMotion, SinusoidMotion, MoveMotion>;
+using JointMotion = std::variant<HoldMotion, SinusoidMotion, MultisineMotion, MoveMotion>;
 
 struct ReferenceSettings {
-  /// Time in which hold and sinusoid take over from the pose at activation; a move needs no blend.
+  /// Time in which hold, sinusoid and multisine take over from the pose at activation; a move needs no blend.
   double blend_s = 2.0;
   std::array<JointMotion, kMaxJoints> motion{};
 };

@@ -36,9 +36,14 @@ ModelTerms DynamicsModel::evaluate(const EffectInput& input) const noexcept {
   ModelTerms terms;
   terms.inertia = mechanism_->inertia(input.q);
   terms.bias_Nm = mechanism_->coriolis(input.q, input.dq) * input.dq + mechanism_->gravity(input.q);
+  terms.drive_Nm = JointVector::Zero(input.q.size());
   for (const auto& effect : effects_) {
     terms.inertia += effect->inertia(input.q);
-    terms.bias_Nm -= effect->torque(input);
+    const JointVector torque_Nm = effect->torque(input);
+    terms.bias_Nm -= torque_Nm;
+    if (effect->descriptor().of_drive) {
+      terms.drive_Nm += torque_Nm;
+    }
   }
   terms.inverse_inertia = inverse(terms.inertia);
   terms.f = -(terms.inverse_inertia * terms.bias_Nm);

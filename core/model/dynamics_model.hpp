@@ -15,6 +15,7 @@ struct ModelTerms {
   JointMatrix inertia;          ///< I + ΣΔI, kg·m²
   JointMatrix inverse_inertia;  ///< its inverse
   JointVector bias_Nm;          ///< C dq + K − Σ effect torque: what tau must balance at zero acceleration
+  JointVector drive_Nm;         ///< of the Σ effect torque, that of effects of the drive
   JointVector f;                ///< −inverse_inertia · bias, rad/s²  (paper (8), corrected)
 };
 

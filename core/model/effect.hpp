@@ -15,9 +15,13 @@ namespace patella::model {
 struct EffectInput {
   JointVector q;          ///< rad
   JointVector dq;         ///< rad/s
-  JointVector torque_Nm;  ///< commanded to the drives, N·m
+  JointVector torque_Nm;  ///< of the drives, N·m
   EmgArray activation{};  ///< 0…1 per EMG channel
-  double time_s = 0.0;
+  double time_s = 0.0;    ///< of the caller's clock, not decreasing
+  /// The torque was held at torque_Nm over the step that ends here, as commands are in simulation; otherwise
+  /// it went there in a straight line, which suits sampled torques, and terms averaged over the ends of a
+  /// step.
+  bool torque_held = false;
 };
 
 /// A parameter of an effect: its name carries its unit, its range is the physical one, bounds included.
@@ -36,9 +40,24 @@ struct EffectDescriptor {
   std::string_view equation;  ///< plain text
   std::string_view source;    ///< literature
   std::span<const EffectParameter> parameters;
+  /// The torque is what arrives of the drive's torque, less that torque: a lag, a delay, a motor behind a
+  /// spring. A command that balanced it would be fed back to itself and ring.
+  bool of_drive = false;
 };
 
 /// Adds to the equation of motion:  (I + ΔI) ddq + C dq + K = tau + torque().
+///
+/// Some effects have a memory (lag, delay, hysteresis, a motor behind a spring). It belongs to the instant of
+/// the newest sample given to reset() or advance(), and what torque() says follows from one rule:
+///   torque(x) is what it is after advance(x, dt), dt the time from the memory's instant to x.time_s.
+/// So it is the same just before and just after the memory moves to x; an integrator may call it at trial
+/// states within its step, and gets the memory of that trial instant; at x.time_s not after the memory's
+/// instant, the memory counts as it is. On the way from the memory's instant to x, the torque goes as
+/// x.torque_held says and the other signals from value to value. Orders that agree with this:
+///   loop and diagnosis:  reset(x0), then for every sample  advance(x, dt), torque(x);
+///   simulation:          reset(x0), then for every step    torque(trials …), advance(x at its end, h).
+/// Results depend on dt, 0.05 to 10 ms, only as far as the signals between samples do. Samples that are no
+/// numbers leave the memory alone. No call allocates or throws.
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -49,16 +68,15 @@ class Effect {
   /// Values in the order of descriptor().parameters.
   virtual std::span<const double> parameters() const noexcept = 0;
 
-  /// Generalised torque on the leg at zero acceleration, N·m, from the state and the effect's memory;
-  /// does not change the memory, so that an integrator may call it at trial states.
+  /// Generalised torque on the leg at zero acceleration, N·m, at the instant of `input`.
   virtual JointVector torque(const EffectInput& input) const noexcept = 0;
   /// ΔI(q), kg·m²; zero for most effects.
   virtual JointMatrix inertia(const JointVector& q) const noexcept {
     return JointMatrix::Zero(q.size(), q.size());
   }
-  /// Moves the memory (lag, hysteresis, delay) by one step; stateless effects do nothing.
+  /// Moves the memory to the instant of `input`, dt_s > 0 after the last; stateless effects do nothing.
   virtual void advance(const EffectInput& /*input*/, double /*dt_s*/) noexcept {}
-  /// Forgets the memory, as when the loop is enabled anew.
+  /// Forgets the memory, as when the loop is enabled anew: `input` has lasted for ever.
   virtual void reset(const EffectInput& /*input*/) noexcept {}
 };
 

@@ -1,5 +1,6 @@
 #include "firmware_app/configuration/bus_map_file.hpp"
 
+#include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/toml_table.hpp"
 #include "firmware_app/files/wording.hpp"
 
@@ -47,11 +48,18 @@ void readTiming(const TomlTable& table, can::BusMap& map) {
 
 }  // namespace
 
-BusDescription loadBusDescription(const std::filesystem::path& path) {
-  const TomlDocument document = TomlDocument::load(path);
+BusDescription loadBusDescription(const std::filesystem::path& path,
+                                  const std::optional<std::filesystem::path>& dbc) {
+  return parseBusDescription(readFile(path), path.string(), dbc);
+}
+
+BusDescription parseBusDescription(std::string_view text, const std::string& name,
+                                   const std::optional<std::filesystem::path>& dbc) {
+  const TomlDocument document = TomlDocument::parse(text, name);
   const TomlTable& root = document.root();
   BusDescription bus;
   bus.dbc_path = root.path("dbc");
+  bus.dbc_path = dbc.value_or(bus.dbc_path);
   readTiming(root.optionalTable("checks"), bus.map);
   for (const TomlTable& table : root.tables("input")) {
     bus.map.bindings.push_back(readBinding(table, "name", true));

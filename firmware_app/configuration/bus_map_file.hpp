@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
@@ -16,7 +19,11 @@ struct BusDescription {
 };
 
 /// Reads the map and the DBC it names. Throws FileError naming file, line and key; a DBC's own errors carry
-/// its file, line and column.
-BusDescription loadBusDescription(const std::filesystem::path& path);
+/// its file, line and column. `dbc` is read in place of the one that the map names.
+BusDescription loadBusDescription(const std::filesystem::path& path,
+                                  const std::optional<std::filesystem::path>& dbc = {});
+/// `name` stands for the map's file in messages.
+BusDescription parseBusDescription(std::string_view text, const std::string& name,
+                                   const std::optional<std::filesystem::path>& dbc = {});
 
 }  // namespace patella::app

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace patella::app {
 namespace {
@@ -69,22 +70,38 @@ void readEmg(const TomlTable& table, sim::RigOptions& rig) {
   rig.emg = options;
 }
 
-}  // namespace
-
-void readRigConfig(const TomlTable& table, RunConfig& config) {
-  sim::RigOptions& rig = config.rig;
-  const auto joints = static_cast<std::size_t>(config.model.joints());
+void readRigModel(const TomlTable& table, const std::optional<std::filesystem::path>& model,
+                  RunConfig& config) {
   config.rig_model = config.model;
   config.rig_model_path = config.model_path;
   if (table.has("model")) {
     config.rig_model_path = table.path("model");
-    config.rig_model = loadModel(config.rig_model_path);
-    if (config.rig_model.joints() != config.model.joints()) {
-      throw table.error("model", "a mechanism of " + std::to_string(config.rig_model.joints()) +
-                                     " joints, expected " + std::to_string(joints) +
-                                     " as the loop's model has");
-    }
   }
+  if (model) {
+    config.rig_model_path = *model;
+  }
+  if (!model && !table.has("model")) {
+    return;
+  }
+  config.rig_model = loadModel(config.rig_model_path);
+  if (config.rig_model.joints() != config.model.joints()) {
+    const std::string problem = "a mechanism of " + std::to_string(config.rig_model.joints()) +
+                                " joints, expected " + std::to_string(config.model.joints()) +
+                                " as the loop's model has";
+    if (model) {
+      throw std::invalid_argument("--rig-model: " + model->string() + ": " + problem);
+    }
+    throw table.error("model", problem);
+  }
+}
+
+}  // namespace
+
+void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::path>& model,
+                   RunConfig& config) {
+  sim::RigOptions& rig = config.rig;
+  const auto joints = static_cast<std::size_t>(config.model.joints());
+  readRigModel(table, model, config);
   const std::vector<double> zero(joints, 0.0);
   rig.seed =
       static_cast<std::uint64_t>(table.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), 1));

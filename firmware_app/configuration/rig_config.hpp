@@ -7,7 +7,9 @@
 namespace patella::app {
 
 /// Reads [rig] into config.rig, config.rig_model and config.rig_model_path; the loop's model must have been
-/// read before. Throws FileError.
-void readRigConfig(const TomlTable& table, RunConfig& config);
+/// read before. The rig lives by the model that the table names unless `model` is given, and by the loop's
+/// where neither names one. Throws FileError, or std::invalid_argument for `model`.
+void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::path>& model,
+                   RunConfig& config);
 
 }  // namespace patella::app

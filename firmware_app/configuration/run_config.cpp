@@ -192,7 +192,10 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.weights = loadNetworkWeights(config.weights_path);
   }
   readTickConfig(root, config);
-  readRigConfig(root.optionalTable("rig"), config);
+  if (command_line.reference) {
+    loadReference(*command_line.reference, config);
+  }
+  readRigConfig(root.optionalTable("rig"), command_line.rig_model, config);
   if (command_line.seed) {
     config.rig.seed = *command_line.seed;
   }

@@ -48,6 +48,8 @@ struct CommandLine {
   std::optional<double> rate_Hz;
   std::optional<std::filesystem::path> weights;
   std::optional<std::filesystem::path> model;
+  std::optional<std::filesystem::path> rig_model;
+  std::optional<std::filesystem::path> reference;  ///< a file with what [reference] holds
   std::optional<std::uint64_t> seed;
   bool require_rt = false;
 };
@@ -57,7 +59,8 @@ struct RunConfig {
   std::filesystem::path model_path;
   std::filesystem::path rig_model_path;
   std::filesystem::path bus_map_path;
-  std::filesystem::path weights_path;  ///< empty: no network
+  std::filesystem::path weights_path;    ///< empty: no network
+  std::filesystem::path reference_path;  ///< empty: the configuration itself has it
 
   Backend backend;
   ClockKind clock = ClockKind::kMonotonic;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/safety/safety_limiter.hpp"
+#include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
 namespace {
@@ -85,15 +86,46 @@ void readControl(const TomlTable& table, RunConfig& config) {
   }
 }
 
+// Three arrays of one length, a component an element; without phases, those that keep the peak low.
+control::MultisineMotion readMultisine(const TomlTable& table, Range angle) {
+  control::MultisineMotion motion{.offset_rad = table.number("offset_rad", angle), .components = {}};
+  const auto frequency_Hz =
+      table.numbers("frequency_Hz", CountRange{1, control::MultisineMotion::kMaxComponents},
+                    Range{.minimum = 0.0, .maximum = 5.0});
+  const std::size_t count = frequency_Hz.size();
+  const auto amplitude_rad =
+      table.numbers("amplitude_rad", CountRange::exactly(count), Range{.minimum = 0.0, .maximum = kPi});
+  std::vector<double> phase_rad;
+  for (std::size_t k = 0; k < count; ++k) {
+    phase_rad.push_back(control::schroederPhase_rad(k, count));
+  }
+  phase_rad = table.numbers("phase_rad", CountRange::exactly(count), angle, phase_rad);
+  double sum_rad = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    motion.components.push_back(
+        {.amplitude_rad = amplitude_rad[k], .frequency_Hz = frequency_Hz[k], .phase_rad = phase_rad[k]});
+    sum_rad += amplitude_rad[k];
+  }
+  if (sum_rad > kPi) {
+    throw table.error("amplitude_rad", "sum " + formatNumber(sum_rad) + ", expected a sum of " +
+                                           formatNumber(kPi) + " at most");
+  }
+  return motion;
+}
+
 control::JointMotion readMotion(const TomlTable& table) {
   const Range angle{.minimum = -2.0 * kPi, .maximum = 2.0 * kPi};
-  const std::string motion = table.choice("motion", std::vector<std::string>{"hold", "sinusoid", "move"});
+  const std::string motion =
+      table.choice("motion", std::vector<std::string>{"hold", "sinusoid", "multisine", "move"});
   if (motion == "sinusoid") {
     return control::SinusoidMotion{
         .offset_rad = table.number("offset_rad", angle),
         .amplitude_rad = table.number("amplitude_rad", Range{.minimum = 0.0, .maximum = kPi}),
         .frequency_Hz = table.number("frequency_Hz", Range{.minimum = 0.0, .maximum = 20.0}),
         .phase_rad = table.number("phase_rad", angle, 0.0)};
+  }
+  if (motion == "multisine") {
+    return readMultisine(table, angle);
   }
   if (motion == "move") {
     return control::MoveMotion{
@@ -107,8 +139,8 @@ control::JointMotion readMotion(const TomlTable& table) {
   return hold;
 }
 
-void readReference(const TomlTable& table, RunConfig& config) {
-  control::ReferenceSettings& r = config.tick.reference;
+control::ReferenceSettings readReference(const TomlTable& table, const RunConfig& config) {
+  control::ReferenceSettings r;
   r.blend_s = table.number("blend_s", Range{.minimum = 0.1, .maximum = 60.0}, r.blend_s);
   const std::vector<TomlTable> joints = table.tables("joint");
   const auto expected = static_cast<std::size_t>(config.model.joints());
@@ -119,6 +151,7 @@ void readReference(const TomlTable& table, RunConfig& config) {
   for (std::size_t i = 0; i < joints.size(); ++i) {
     r.motion[i] = readMotion(joints[i]);
   }
+  return r;
 }
 
 void readSafety(const TomlTable& table, RunConfig& config) {
@@ -163,8 +196,15 @@ void readTickConfig(const TomlTable& root, RunConfig& config) {
   readEstimation(root.optionalTable("estimation"), config);
   readEmg(root.optionalTable("emg"), config);
   readControl(root.optionalTable("control"), config);
-  readReference(root.optionalTable("reference"), config);
+  config.tick.reference = readReference(root.optionalTable("reference"), config);
   readSafety(root.table("safety"), config);
+}
+
+void loadReference(const std::filesystem::path& path, RunConfig& config) {
+  const TomlDocument document = TomlDocument::load(path);
+  config.tick.reference = readReference(document.root(), config);
+  document.finish();
+  config.reference_path = path;
 }
 
 }  // namespace patella::app

@@ -10,4 +10,7 @@ namespace patella::app {
 /// config.sampler and config.loop. The model and the bus must have been read before. Throws FileError.
 void readTickConfig(const TomlTable& root, RunConfig& config);
 
+/// Replaces the reference by that of a file, which holds what [reference] may hold. Throws FileError.
+void loadReference(const std::filesystem::path& path, RunConfig& config);
+
 }  // namespace patella::app

@@ -201,8 +201,11 @@ void Loop::account(const Measurement& measurement,
   if (output.state == safety::State::kActive) {
     ++s.tracking_count;
     for (Eigen::Index i = 0; i < measurement.position_rad.size(); ++i) {
+      const auto joint = static_cast<std::size_t>(i);
       const double error = output.reference.q[i] - measurement.position_rad[i];
-      s.tracking_sum_of_squares[static_cast<std::size_t>(i)] += error * error;
+      s.tracking_sum_of_squares[joint] += error * error;
+      s.f_s_sum_of_squares[joint] += output.f_s_filtered[i] * output.f_s_filtered[i];
+      s.d_hat_sum_of_squares[joint] += output.d_hat_Nm[i] * output.d_hat_Nm[i];
     }
   }
   record_.sensor_latency_ns = -1;

@@ -55,6 +55,8 @@ struct LoopStatistics {
   double max_torque_Nm = 0.0;
   ErrorStatistics sampler_error, network_error;
   JointArray tracking_sum_of_squares{};  ///< rad², while active and a reference exists
+  JointArray f_s_sum_of_squares{};       ///< (rad/s²)², of the filtered estimate while active
+  JointArray d_hat_sum_of_squares{};     ///< (N·m)², likewise
   std::uint64_t tracking_count = 0;
 };
 

@@ -53,6 +53,7 @@ Json inputs(const RunConfig& config) {
   };
   add("configuration", config.path);
   add("model", config.model_path);
+  add("reference", config.reference_path);
   add("bus_map", config.bus_map_path);
   add("dbc", config.bus.dbc_path);
   add("weights", config.weights_path);
@@ -187,9 +188,14 @@ Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::B
     out["estimation_error"]["network"] = errors(loop.network_error, joints);
   }
   if (loop.tracking_count > 0) {
+    const auto rms = [&](const JointArray& sum_of_squares, int joint) {
+      return std::sqrt(sum_of_squares[static_cast<std::size_t>(joint)] /
+                       static_cast<double>(loop.tracking_count));
+    };
     for (int i = 0; i < joints; ++i) {
-      out["tracking_rms_rad"].push_back(std::sqrt(loop.tracking_sum_of_squares[static_cast<std::size_t>(i)] /
-                                                  static_cast<double>(loop.tracking_count)));
+      out["f_s_filtered_rms_rad_s2"].push_back(rms(loop.f_s_sum_of_squares, i));
+      out["d_hat_rms_Nm"].push_back(rms(loop.d_hat_sum_of_squares, i));
+      out["tracking_rms_rad"].push_back(rms(loop.tracking_sum_of_squares, i));
     }
   }
   out["recorder"] = {{"ticks_written", recorder.writtenTicks()},
@@ -250,6 +256,9 @@ std::string summaryText(const Json& s) {
     }
   }
   if (s.contains("tracking_rms_rad")) {
+    text +=
+        fmt::format("  unknown to the model, rms: {} rad/s², {} N·m\n",
+                    perJoint(s["f_s_filtered_rms_rad_s2"], "{:.3f}"), perJoint(s["d_hat_rms_Nm"], "{:.3f}"));
     text += fmt::format("  tracking error rms {} rad\n", perJoint(s["tracking_rms_rad"], "{:.4f}"));
   }
   const Json& rec = s["recorder"];

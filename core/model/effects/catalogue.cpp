@@ -1,12 +1,29 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
-#include <stdexcept>
 
+#include "core/model/effects/actuator_delay.hpp"
+#include "core/model/effects/actuator_lag.hpp"
+#include "core/model/effects/asymmetric_friction.hpp"
+#include "core/model/effects/backlash.hpp"
 #include "core/model/effects/coulomb_friction.hpp"
+#include "core/model/effects/emg_torque.hpp"
+#include "core/model/effects/encoder_offset.hpp"
 #include "core/model/effects/linear_stiffness.hpp"
+#include "core/model/effects/load_dependent_friction.hpp"
+#include "core/model/effects/passive_knee_moment.hpp"
 #include "core/model/effects/payload.hpp"
+#include "core/model/effects/presliding_hysteresis.hpp"
+#include "core/model/effects/refuse.hpp"
 #include "core/model/effects/rotor_inertia.hpp"
+#include "core/model/effects/spasticity.hpp"
+#include "core/model/effects/stribeck_friction.hpp"
+#include "core/model/effects/thermal_drift.hpp"
+#include "core/model/effects/torque_bias.hpp"
+#include "core/model/effects/torque_gain.hpp"
+#include "core/model/effects/torque_ripple.hpp"
+#include "core/model/effects/transmission_elasticity.hpp"
+#include "core/model/effects/tremor.hpp"
 #include "core/model/effects/viscous_friction.hpp"
 
 namespace patella::model {
@@ -24,10 +41,33 @@ constexpr Entry entry() {
               -> std::unique_ptr<Effect> { return std::make_unique<Kind>(joint, mechanism, parameters); }};
 }
 
+// One line per kind, in the order of the documentation.
+// clang-format off
 constexpr std::array kEntries{
-    entry<ViscousFriction>(), entry<CoulombFriction>(), entry<LinearStiffness>(),
-    entry<Payload>(),         entry<RotorInertia>(),
+    entry<ViscousFriction>(),
+    entry<CoulombFriction>(),
+    entry<AsymmetricFriction>(),
+    entry<StribeckFriction>(),
+    entry<LoadDependentFriction>(),
+    entry<PreslidingHysteresis>(),
+    entry<LinearStiffness>(),
+    entry<PassiveKneeMoment>(),
+    entry<Payload>(),
+    entry<RotorInertia>(),
+    entry<TransmissionElasticity>(),
+    entry<Backlash>(),
+    entry<TorqueRipple>(),
+    entry<TorqueGain>(),
+    entry<TorqueBias>(),
+    entry<ActuatorLag>(),
+    entry<ActuatorDelay>(),
+    entry<EncoderOffset>(),
+    entry<Tremor>(),
+    entry<Spasticity>(),
+    entry<EmgTorque>(),
+    entry<ThermalDrift>(),
 };
+// clang-format on
 
 constexpr auto kDescriptors = [] {
   std::array<const EffectDescriptor*, kEntries.size()> descriptors{};
@@ -40,13 +80,6 @@ const Entry* findEntry(std::string_view kind) noexcept {
   const auto* found = std::find_if(kEntries.begin(), kEntries.end(),
                                    [kind](const Entry& item) { return item.descriptor->kind == kind; });
   return found == kEntries.end() ? nullptr : found;
-}
-
-template <typename... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream message;
-  (message << ... << parts);
-  throw std::invalid_argument(message.str());
 }
 
 [[noreturn]] void refuseKind(std::string_view kind) {

@@ -52,7 +52,7 @@ struct Leg {
     const JointMatrix m = inertia();
     const JointMatrix inverse = m.inverse();
     const JointVector bias = coriolis + gravity();
-    return {m, inverse, bias, JointVector(-(inverse * bias))};
+    return {m, inverse, bias, vec(0.0, 0.0), JointVector(-(inverse * bias))};
   }
   JointVector unknownDynamics() const { return inertia().inverse() * disturbance_Nm; }
 
@@ -184,6 +184,23 @@ TEST_CASE("gravity and model together are the inverse dynamics: nothing counts t
   const JointVector expected = terms.inertia * reference.ddq + terms.bias_Nm;
   CHECK((out.total - expected).norm() < 1e-12);
   CHECK((out.gravity - leg.gravity()).norm() < 1e-12);
+}
+
+TEST_CASE("what the drive itself adds is not balanced: it would come back to it") {
+  Leg leg;
+  leg.dq = vec(0.7, -1.3);
+  ControlGains with = gains();
+  with.model = 1.0;
+  const ReferencePoint reference = at(leg.q);
+  const JointVector none = vec(0.0, 0.0);
+  auto lagging = leg.terms();
+  const auto plain = leg.terms();
+  lagging.drive_Nm = vec(5.0, -3.0);
+  lagging.bias_Nm -= lagging.drive_Nm;
+  const auto model = [&](const patella::model::ModelTerms& terms) {
+    return ControlLaw(2, with).compute({terms, leg.gravity(), reference, leg.q, leg.dq, none, none}).model;
+  };
+  CHECK((model(lagging) - model(plain)).norm() < 1e-12);
 }
 
 TEST_CASE("terms add up to the total and EMG acts with its gain, against the patient where negative") {

@@ -92,6 +92,23 @@ TEST_CASE("frames say what the plant does") {
   CHECK(rig.statistics().max_torque_Nm == doctest::Approx(0.8));
 }
 
+TEST_CASE("encoder noise is drawn in the same order with every compiler: the rate first") {
+  RigOptions options = paperRig();
+  options.encoder = {.position_noise_sd_rad = 0.01, .velocity_noise_sd_rad_s = 0.1};
+  Rig rig(options, rigDatabase());
+  rig.advance(0);
+  const std::vector<can::Frame> frames = drain(rig);
+  const PlantState& state = rig.plant().state();
+  for (int joint = 0; joint < 2; ++joint) {
+    Encoder encoder(options.encoder, joint, options.seed);
+    const double velocity_rad_s = encoder.measureVelocity(state.dq(joint));
+    const double position_rad = encoder.measurePosition(state.q(joint));
+    const can::Frame frame = newest(frames, joint == 0 ? "Encoder1" : "Encoder2");
+    CHECK(std::abs(valueOf(frame, "Velocity") - velocity_rad_s) <= 0.51e-5);
+    CHECK(std::abs(valueOf(frame, "Position") - position_rad) <= 0.51e-6);
+  }
+}
+
 TEST_CASE("the published truth is what two encoder samples and the loop's model leave unexplained") {
   RigOptions options = paperRig();
   options.hidden_effects = {{"coulomb_friction", 1, {}}};

@@ -1,0 +1,52 @@
+// A motor behind a spring, with play or without: what transmission_elasticity and backlash have in common.
+#pragma once
+
+#include "core/model/effect.hpp"
+#include "core/model/effects/memory_time.hpp"
+
+namespace patella::model {
+
+struct TwoMassParameters {
+  double stiffness_Nm_rad = 0.0;     ///< > 0
+  double damping_Nms_rad = 0.0;      ///< while the spring is in contact
+  double rotor_inertia_kg_m2 = 0.0;  ///< > 0, seen at the joint
+  double gap_rad = 0.0;              ///< play from contact to contact
+  bool pulls = true;                 ///< a spring; otherwise two contacts, which can only push
+};
+
+/// The link's motion is measured, the motor's is the memory: rotor ddθ = drive torque − T, with T transmitted
+/// to the link. Along a step the link moves on the cubic through the angles and rates at its ends.
+///
+/// Steps h of 25 to 250 µs, 0.05/ω where that lies between, by the weighted implicit rule with weight 0.51:
+/// unconditionally stable, its damping ratio of 0.01 ω h is 0.05 % for resonances up to 2000 rad/s. The
+/// spring's law is piecewise linear, so each step is solved in closed form.
+class TwoMass {
+ public:
+  TwoMass(int joint, const TwoMassParameters& parameters) noexcept;
+
+  /// T less the drive's torque, N·m: what the transmission changes for the link.
+  double torque(const EffectInput& input) const noexcept;
+  void advance(const EffectInput& input, double dt_s) noexcept;
+  /// The motor rests against the spring that carries the drive's torque, and moves with the link.
+  void reset(const EffectInput& input) noexcept;
+
+ private:
+  struct Side {
+    double angle_rad = 0.0;
+    double rate_rad_s = 0.0;
+  };
+
+  Side linkOf(const EffectInput& input) const noexcept { return {input.q[joint_], input.dq[joint_]}; }
+  Side motorAfter(const EffectInput& input, double dt_s) const noexcept;
+  double transmitted(double twist_rad, double rate_rad_s) const noexcept;
+
+  int joint_;
+  TwoMassParameters parameters_;
+  double substep_s_;
+  Side motor_;
+  Side link_;
+  double drive_Nm_ = 0.0;
+  MemoryTime time_;
+};
+
+}  // namespace patella::model
