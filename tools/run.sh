@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is needed, builds, and shows the loop at work: twelve seconds at 1 kHz against the in-process rig, a
-# picture of the run, its log played back, and two equal runs in virtual time.
+# picture of the run, its log played back, two equal runs in virtual time, and the closed circle: a recording, the
+# diagnosis of what the loop's model lacks, and the loop again with what was found, on another motion.
 #
 #   tools/run.sh [--config FILE] [--out DIR]
 set -euo pipefail
@@ -22,7 +23,7 @@ done
 tools/setup.sh
 mkdir -p build
 cmake --preset release >build/configure.log || { cat build/configure.log; exit 1; }
-cmake --build --preset release --target patella patella-rig patella-report
+cmake --build --preset release --target patella patella-rig patella-report patella-diagnose
 
 bin=build/release
 headline() { printf '\n== %s\n' "$*"; }
@@ -42,4 +43,8 @@ done
 diff -r "$out/virtual-a" "$out/virtual-b"
 echo "all files of $out/virtual-a and $out/virtual-b are identical"
 
+headline "what the model lacks, found in 40 s of motion and given to the loop, which then moves otherwise"
+tools/bench/circle/circle.sh --bin "$bin" --out "$out/circle" firmware_app/config/models/adult_rubbing.toml
+
 printf '\nPicture of the run: %s\n' "$out/live/report.html"
+printf 'Diagnosis:          %s\n' "$out/circle/adult_rubbing/diagnosis/report.html"

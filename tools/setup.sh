@@ -5,12 +5,14 @@
 #   tools/setup.sh --test   also to test: second compiler, formatter, linter, reference libraries
 set -euo pipefail
 
+# doctest is here because configuring a build configures its tests too.
 build_packages=(
   ca-certificates ccache cmake g++ git ninja-build pkg-config
-  libcli11-dev libeigen3-dev libgpiod-dev libmd-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev
+  doctest-dev libboost-dev libceres-dev libcli11-dev libeigen3-dev libfftw3-dev libgpiod-dev libmd-dev libspdlog-dev
+  libtomlplusplus-dev nlohmann-json3-dev
   gnuplot-nox
 )
-test_packages=(can-utils clang-format clang-tidy doctest-dev iproute2 libtorch-dev python3)
+test_packages=(can-utils clang-format clang-tidy iproute2 libtorch-dev python3)
 # Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
 optional_test_packages=(clang-22 libclang-rt-22-dev)
 

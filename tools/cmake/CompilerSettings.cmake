@@ -26,6 +26,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports false positives of these inside Eigen and libstdc++ at -O2 and under sanitizers.
   target_compile_options(patella_settings INTERFACE
     -Wno-maybe-uninitialized -Wno-null-dereference -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+  if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    # Notes about a calling convention that changed with GCC 10.1; nothing here is linked with older C++ objects.
+    target_compile_options(patella_settings INTERFACE -Wno-psabi)
+  endif()
 endif()
 
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")

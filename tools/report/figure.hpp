@@ -18,6 +18,8 @@ struct Series {
   bool dashed = false;
   bool steps = false;
   bool right_axis = false;
+  bool points = false;          ///< dots of this width instead of a curve
+  std::vector<double> error{};  ///< half lengths of error bars, drawn with marks on the curve; empty: none
 };
 
 /// A level across the whole width: a limit, a percentile.
@@ -42,6 +44,20 @@ struct Bar {
   std::string colour;
 };
 
+/// A short upright line in a row of such a chart: a threshold, an estimate.
+struct RowMark {
+  std::size_t row = 0;
+  double at = 0.0;
+  std::string colour;
+};
+
+/// Words in a row of such a chart, beginning at x.
+struct RowNote {
+  std::size_t row = 0;
+  double at = 0.0;
+  std::string text;
+};
+
 struct Histogram {
   std::vector<double> centre;
   std::vector<double> count;
@@ -61,7 +77,12 @@ struct Figure {
   std::vector<Shade> shades;
   std::vector<std::string> rows;  ///< names of the rows of a bar chart, from the top
   std::vector<Bar> bars;
+  std::vector<RowMark> row_marks;
+  std::vector<RowNote> row_notes;
   std::optional<Histogram> histogram;
+  std::vector<double> x_ticks;  ///< empty: where the drawing program likes them
+  bool log_x = false;
+  bool log_y = false;
   bool wide = false;  ///< takes the whole width of the page
 };
 

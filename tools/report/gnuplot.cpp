@@ -78,15 +78,23 @@ std::pair<double, double> verticalRange(const Figure& figure) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   const auto include = [&](double value) {
-    if (std::isfinite(value)) {
+    if (std::isfinite(value) && (value > 0.0 || !figure.log_y)) {
       low = std::min(low, value);
       high = std::max(high, value);
     }
   };
   for (const Series& series : figure.series) {
-    if (!series.right_axis) {
-      std::for_each(series.y.begin(), series.y.end(), include);
+    for (std::size_t i = 0; i < series.y.size() && !series.right_axis; ++i) {
+      const double error = series.error.empty() ? 0.0 : series.error[i];
+      include(series.y[i] - error);
+      include(series.y[i] + error);
     }
+  }
+  if (figure.log_y) {
+    // Whole decades: there are no other ticks.
+    return low <= high ? std::pair{std::pow(10.0, std::floor(std::log10(low))),
+                                   std::pow(10.0, std::ceil(std::log10(high)))}
+                       : std::pair{0.1, 10.0};
   }
   const double span = high - low;
   for (const Level& level : figure.levels) {
@@ -113,7 +121,7 @@ void writeCommon(std::ostream& script, const Figure& figure) {
          << " at graph 0,graph 1 left offset 0,0.9 font ',13' noenhanced\n"
          << "set xlabel " << quoted(figure.x_label) << " noenhanced offset 0,0.4\n"
          << "set ylabel " << quoted(figure.y_label) << " noenhanced offset 0.5,0\n"
-         << "set ytics auto nomirror enhanced\nset xtics nomirror\nset format y '%g'\n"
+         << "set ytics auto nomirror enhanced\nset xtics auto nomirror\nset format y '%g'\n"
          << "set border 3 lc rgb '#777777'\nset grid x y lc rgb '#E4E4E4' lt 1 lw 0.6\n"
          << "set lmargin 9\nset rmargin 4\nset tmargin 3.2\nset bmargin 3\n"
          << "set key at graph 1,graph 1.03 right bottom horizontal samplen 1.6 noenhanced\n";
@@ -122,21 +130,80 @@ void writeCommon(std::ostream& script, const Figure& figure) {
   } else {
     script << "set xrange [*:*]\n";
   }
+  if (!figure.x_ticks.empty()) {
+    script << "set xtics (";
+    for (std::size_t i = 0; i < figure.x_ticks.size(); ++i) {
+      script << (i == 0 ? "" : ",") << formatNumber(figure.x_ticks[i]);
+    }
+    script << ") nomirror\n";
+  }
+  if (figure.log_x) {
+    script << "set logscale x\n";
+  }
+  if (figure.log_y) {
+    script << "set logscale y\nset format y '10^{%T}'\n";
+  }
+}
+
+void writeData(std::ostream& script, const Series& series) {
+  for (std::size_t k = 0; k < series.x.size(); ++k) {
+    if (std::isfinite(series.y[k])) {
+      std::array<char, 96> line{};
+      std::snprintf(line.data(), line.size(), "%.7g %.5g %.5g\n", series.x[k], series.y[k],
+                    series.error.empty() ? 0.0 : series.error[k]);
+      script << line.data();
+    } else {
+      script << "\n";
+    }
+  }
+}
+
+/// The plot elements of one series, in gnuplot's words.
+std::string plotted(const Series& series, const std::string& data) {
+  const std::string axes = series.right_axis ? " axes x1y2" : "";
+  const std::string colour = " lc rgb '" + series.colour + "'";
+  const std::string width = formatNumber(series.width);
+  if (series.points) {
+    // A dot this small is no good in a key: that shows a larger one of the same colour.
+    return data + " using 1:2 with points pt 7 ps " + width + axes + colour + " notitle" +
+           (series.label.empty()
+                ? ""
+                : ", 1/0 with points pt 7 ps 0.7" + colour + " title " + quoted(series.label));
+  }
+  const std::string line = data + " using 1:2 with " + (series.steps ? "steps" : "lines") + axes + colour +
+                           " lw " + width + (series.dashed ? " dt (8,4)" : " dt 1") + " title " +
+                           quoted(series.label);
+  return series.error.empty() ? line
+                              : line + ", " + data + " using 1:2:3 with yerrorbars" + axes + colour +
+                                    " lw 1 pt 7 ps 0.5 notitle";
+}
+
+void writeLevels(std::ostream& script, const Figure& figure, const std::pair<double, double>& range) {
+  for (const Level& level : figure.levels) {
+    const std::string value = formatNumber(level.value);
+    const std::string style = " nohead dt (6,4) lw 1 lc rgb '#B00020' front\n";
+    const std::string words = quoted(level.label);
+    if (level.vertical) {
+      script << "set arrow from first " << value << ",graph 0 to first " << value << ",graph 1" << style;
+      if (!level.label.empty()) {
+        script << "set label " << words << " at first " << value
+               << ",graph 0.97 left offset 0.5,0 tc rgb '#B00020' noenhanced front\n";
+      }
+    } else if (level.value >= range.first && level.value <= range.second) {
+      // Outside, gnuplot would draw it across the neighbouring figures.
+      script << "set arrow from graph 0,first " << value << " to graph 1,first " << value << style;
+      if (!level.label.empty()) {
+        script << "set label " << words << " at graph 0.995,first " << value
+               << " right offset 0,0.5 tc rgb '#B00020' noenhanced front\n";
+      }
+    }
+  }
 }
 
 void writeCurves(std::ostream& script, const Figure& figure, const std::string& prefix) {
   for (std::size_t i = 0; i < figure.series.size(); ++i) {
-    const Series& series = figure.series[i];
     script << "$" << prefix << i << " << EOD\n";
-    for (std::size_t k = 0; k < series.x.size(); ++k) {
-      if (std::isfinite(series.y[k])) {
-        std::array<char, 64> line{};
-        std::snprintf(line.data(), line.size(), "%.7g %.5g\n", series.x[k], series.y[k]);
-        script << line.data();
-      } else {
-        script << "\n";
-      }
-    }
+    writeData(script, figure.series[i]);
     script << "EOD\n";
   }
   const std::pair<double, double> range = verticalRange(figure);
@@ -150,32 +217,23 @@ void writeCurves(std::ostream& script, const Figure& figure, const std::string& 
     script << "set object rectangle from " << formatNumber(shade.from) << ",graph 0 to "
            << formatNumber(shade.to) << ",graph 1 fc rgb '" << shade.colour << "' fs solid noborder behind\n";
   }
-  for (const Level& level : figure.levels) {
-    if (level.value < range.first || level.value > range.second) {
-      continue;  // gnuplot would draw it across the neighbouring figures
-    }
-    const std::string value = formatNumber(level.value);
-    script << "set arrow from graph 0,first " << value << " to graph 1,first " << value
-           << " nohead dt (6,4) lw 1 lc rgb '#B00020' front\n";
-    if (!level.label.empty()) {
-      script << "set label " << quoted(level.label) << " at graph 0.995,first " << value
-             << " right offset 0,0.5 tc rgb '#B00020' noenhanced front\n";
-    }
-  }
+  writeLevels(script, figure, range);
   script << "plot ";
   for (std::size_t i = 0; i < figure.series.size(); ++i) {
-    const Series& series = figure.series[i];
-    script << (i == 0 ? "" : ", ") << "$" << prefix << i << " using 1:2 with "
-           << (series.steps ? "steps" : "lines") << (series.right_axis ? " axes x1y2" : "") << " lc rgb '"
-           << series.colour << "' lw " << series.width << (series.dashed ? " dt (8,4)" : " dt 1") << " title "
-           << quoted(series.label);
+    script << (i == 0 ? "" : ", ") << plotted(figure.series[i], "$" + prefix + std::to_string(i));
   }
   script << "\n";
 }
 
 void writeBars(std::ostream& script, const Figure& figure) {
   const auto top = static_cast<double>(figure.rows.size());
-  script << "set yrange [0:" << top << "]\nset lmargin 20\nset ytics (";
+  std::size_t longest = 0;
+  for (const std::string& row : figure.rows) {
+    longest = std::max(longest, row.size());
+  }
+  constexpr std::size_t kUsualMargin = 20;
+  script << "set yrange [0:" << top << "]\nset lmargin " << std::max(kUsualMargin, longest + 1)
+         << "\nset ytics (";
   for (std::size_t row = 0; row < figure.rows.size(); ++row) {
     script << (row == 0 ? "" : ", ") << quoted(figure.rows[row]) << " "
            << top - static_cast<double>(row) - 0.5;
@@ -188,6 +246,17 @@ void writeBars(std::ostream& script, const Figure& figure) {
            << formatNumber(bar.to) << "," << middle + 0.32 << " fc rgb '" << bar.colour
            << "' fs solid border rgb '" << bar.colour << "' lw 0.8\n";
   }
+  for (const RowMark& mark : figure.row_marks) {
+    const double middle = top - static_cast<double>(mark.row) - 0.5;
+    script << "set arrow from " << formatNumber(mark.at) << "," << middle - 0.45 << " to "
+           << formatNumber(mark.at) << "," << middle + 0.45 << " nohead lw 2 lc rgb '" << mark.colour
+           << "' front\n";
+  }
+  for (const RowNote& note : figure.row_notes) {
+    script << "set label " << quoted(note.text) << " at " << formatNumber(note.at) << ","
+           << top - static_cast<double>(note.row) - 0.5 << " left offset 0.6,0 noenhanced front\n";
+  }
+  writeLevels(script, figure, {0.0, top});
   script << "plot 1/0 notitle\n";
 }
 
@@ -220,7 +289,7 @@ void writeFigure(std::ostream& script, const Figure& figure, const std::string& 
 
 int heightOf(const Figure& figure) {
   constexpr int kRowHeight = 22;
-  return figure.rows.empty() ? kFigureHeight : 90 + kRowHeight * static_cast<int>(figure.rows.size());
+  return figure.rows.empty() ? kFigureHeight : 115 + kRowHeight * static_cast<int>(figure.rows.size());
 }
 
 }  // namespace

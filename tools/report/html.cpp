@@ -19,7 +19,7 @@ body { font: 15px/1.45 Helvetica, Arial, sans-serif; color: #222; background: #f
 main { max-width: 1560px; margin: 0 auto; padding: 1.2rem; }
 h1 { font-size: 1.5rem; margin: 0 0 1rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.1rem; margin: 1.6rem 0 .6rem; }
-.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 36rem), 1fr)); gap: .8rem; }
+.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 36rem), 1fr)); gap: .8rem; }
 figure { margin: 0; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .3rem; }
 figure.wide { grid-column: 1 / -1; }
 svg { display: block; width: 100%; height: auto; }
@@ -29,34 +29,19 @@ svg { display: block; width: 100%; height: auto; }
 h3 { font-size: .95rem; margin: 0 0 .3rem; color: #0072b2; }
 table { border-collapse: collapse; width: 100%; }
 td { padding: .12rem .3rem; border-top: 1px solid #eee; vertical-align: top; overflow-wrap: anywhere; }
-td:last-child { text-align: right; font-variant-numeric: tabular-nums; }
+td:last-child, .grid td + td, .grid th + th { text-align: right; font-variant-numeric: tabular-nums; }
+.words td:last-child { text-align: left; }
+.grid td:first-child { white-space: nowrap; }
+th { padding: .12rem .3rem; text-align: left; color: #666; font-weight: normal; vertical-align: bottom; }
+.verdict { border-left: .5rem solid #9a9a9a; background: #fff; padding: .8rem 1.2rem; }
+.verdict h1 { font-size: 2rem; margin: 0 0 .3rem; }
+.verdict p { font-size: 1.15rem; margin: .3rem 0; }
+.verdict ul { font-size: 1.15rem; margin: .5rem 0; }
+.note { color: #666; }
 .legend span { display: inline-block; padding: 0 .5rem; margin-right: .6rem; }
 @media print { body { background: #fff; } figure { break-inside: avoid; } }
 </style>
 )";
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 std::string scalarText(const json& value) {
   if (value.is_number_float()) {
@@ -110,32 +95,80 @@ void addTables(const std::string& name, const json& node, std::string& page) {
 
 }  // namespace
 
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string figureSections(std::span<const Figure> figures, std::span<const std::string> pictures) {
+  std::string text;
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    if (i == 0 || figures[i].section != figures[i - 1].section) {
+      text += std::string(i == 0 ? "" : "</div>\n") + "<h2>" + escaped(figures[i].section) +
+              "</h2>\n<div class=\"figures\">\n";
+    }
+    text += std::string("<figure") + (figures[i].wide ? " class=\"wide\"" : "") + ">\n" + pictures[i] +
+            "</figure>\n";
+  }
+  return text + (figures.empty() ? "" : "</div>\n");
+}
+
+std::string tableText(const Table& table) {
+  const auto row = [](const std::vector<std::string>& cells, const std::string& tag) {
+    std::string text = "<tr>";
+    for (const std::string& cell : cells) {
+      text += "<" + tag + ">" + escaped(cell) + "</" + tag + ">";
+    }
+    return text + "</tr>\n";
+  };
+  std::string text = "<div class=\"group\"><h3>" + escaped(table.title) + "</h3>\n<table class=\"" +
+                     (table.words ? "words" : "grid") + "\">\n" + row(table.header, "th");
+  for (const std::vector<std::string>& cells : table.rows) {
+    text += row(cells, "td");
+  }
+  return text + "</table></div>\n";
+}
+
+std::string pageAround(const std::string& title, const std::string& body) {
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<title>" + escaped(title) + "</title>\n" + kHead +
+         "</head>\n<body>\n<main>\n" + body + "</main>\n</body>\n</html>\n";
+}
+
 std::string reportPage(const std::string& title, std::span<const Figure> figures,
                        std::span<const std::string> pictures, const json& summary) {
-  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<title>" + escaped(title) + "</title>\n" +
-                     kHead + "</head>\n<body>\n<main>\n<h1>" + escaped(title) + "</h1>\n";
+  std::string body = "<h1>" + escaped(title) + "</h1>\n";
   const bool shaded = std::any_of(figures.begin(), figures.end(),
                                   [](const Figure& figure) { return !figure.shades.empty(); });
   if (shaded) {
-    page +=
+    body +=
         "<p class=\"legend\"><span style=\"background:#FBEFC9\">torque held back by a limit</span>"
         "<span style=\"background:#F6D5CC\">fault</span></p>\n";
   }
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    if (i == 0 || figures[i].section != figures[i - 1].section) {
-      page += std::string(i == 0 ? "" : "</div>\n") + "<h2>" + escaped(figures[i].section) +
-              "</h2>\n<div class=\"figures\">\n";
-    }
-    page += std::string("<figure") + (figures[i].wide ? " class=\"wide\"" : "") + ">\n" + pictures[i] +
-            "</figure>\n";
-  }
-  page += figures.empty() ? "" : "</div>\n";
+  body += figureSections(figures, pictures);
   if (!summary.empty()) {
-    page += "<h2>Summary</h2>\n<div class=\"tables\">\n";
-    addTables("", summary, page);
-    page += "</div>\n";
+    body += "<h2>Summary</h2>\n<div class=\"tables\">\n";
+    addTables("", summary, body);
+    body += "</div>\n";
   }
-  return page + "</main>\n</body>\n</html>\n";
+  return pageAround(title, body);
 }
 
 }  // namespace patella::report

@@ -3,6 +3,8 @@
 
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,5 +16,19 @@ namespace patella::report {
 /// follows as tables, one for each of its objects.
 std::string reportPage(const std::string& title, std::span<const Figure> figures,
                        std::span<const std::string> pictures, const nlohmann::json& summary);
+
+/// The parts of such a page, for others to arrange.
+std::string escaped(std::string_view text);
+std::string figureSections(std::span<const Figure> figures, std::span<const std::string> pictures);
+
+struct Table {
+  std::string title;
+  std::vector<std::string> header;  ///< as many cells as the rows
+  std::vector<std::vector<std::string>> rows;
+  bool words = false;  ///< columns hold words rather than numbers, which are aligned at the right
+};
+std::string tableText(const Table& table);
+/// A whole page around `body`, which is HTML.
+std::string pageAround(const std::string& title, const std::string& body);
 
 }  // namespace patella::report

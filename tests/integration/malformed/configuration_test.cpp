@@ -218,6 +218,38 @@ TEST_CASE("another number of joints than the model's") {
   });
 }
 
+TEST_CASE("a multisine that does not add up") {
+  const auto hip = [](const char* text) {
+    return replaced(kConfig,
+                    "motion = \"sinusoid\"\noffset_rad = -1.15\namplitude_rad = 0.25\nfrequency_Hz = 0.4\n",
+                    text);
+  };
+  expectRefused({
+      {"amplitudes and frequencies of different number",
+       hip("motion = \"multisine\"\noffset_rad = -1.15\nfrequency_Hz = [0.4, 0.9]\namplitude_rad = [0.2]\n"),
+       {"adult.toml:", ": key 'reference.joint[1].amplitude_rad': 1 elements, expected an array of 2"},
+       {}},
+      {"no component",
+       hip("motion = \"multisine\"\noffset_rad = -1.15\nfrequency_Hz = []\namplitude_rad = []\n"),
+       {"adult.toml:", ": key 'reference.joint[1].frequency_Hz': 0 elements"},
+       {}},
+      {"too fast",
+       hip("motion = \"multisine\"\noffset_rad = -1.15\nfrequency_Hz = [0.4, 9]\namplitude_rad = [0.2, "
+           "0.1]\n"),
+       {"adult.toml:", ": key 'reference.joint[1].frequency_Hz': value 9, expected an array of"},
+       {}},
+      {"too far",
+       hip("motion = \"multisine\"\noffset_rad = -1.15\nfrequency_Hz = [0.4, 0.9]\namplitude_rad = [2, 2]\n"),
+       {"adult.toml:", ": key 'reference.joint[1].amplitude_rad': sum 4, expected a sum of 3.14"},
+       {}},
+      {"a phase of a sinusoid that is none",
+       hip("motion = \"multisine\"\noffset_rad = -1.15\nfrequency_Hz = [0.4]\namplitude_rad = [0.2]\n"
+           "phases_rad = [0]\n"),
+       {"adult.toml:", ": key 'reference.joint[1].phases_rad'", "phase_rad"},
+       {}},
+  });
+}
+
 TEST_CASE("a choice that there is not") {
   expectRefused({
       {"observer",
@@ -229,7 +261,7 @@ TEST_CASE("a choice that there is not") {
        replaced(kConfig, "motion = \"sinusoid\"\noffset_rad = -1.15",
                 "motion = \"square\"\noffset_rad = -1.15"),
        {"adult.toml:{line}: key 'reference.joint[1].motion': value 'square'",
-        "expected one of 'hold', 'sinusoid', 'move'"},
+        "expected one of 'hold', 'sinusoid', 'multisine', 'move'"},
        {}},
       {"backend",
        replaced(kConfig, "backend = \"sim\"", "backend = \"ethercat\""),

@@ -41,7 +41,7 @@ double medianLead(const EmgStudy& study) {
   for (const Onset& onset : study.onsets) {
     leads.push_back(onset.lead_s());
   }
-  return median(leads);
+  return patella::offline::median(leads);
 }
 
 }  // namespace

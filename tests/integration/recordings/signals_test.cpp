@@ -1,5 +1,5 @@
 // The arithmetic that recordings are judged with, on signals whose answer is known.
-#include "tools/bench/recordings/signals.hpp"
+#include "tools/signals/signals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "tools/bench/recordings/onset.hpp"
 
+using namespace patella::offline;
 using namespace patella::bench;
 
 namespace {

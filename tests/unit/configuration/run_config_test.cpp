@@ -57,3 +57,47 @@ TEST_CASE("a log is played on the virtual clock whatever the file says, a bus ne
   bus.clock = "virtual";
   CHECK_THROWS_AS(loadRunConfig(bus), std::invalid_argument);
 }
+
+TEST_CASE("another model of the loop leaves the rig what it is, and the other way round") {
+  const auto models = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/models";
+  const RunConfig plain = loadRunConfig(shipped());
+  REQUIRE(plain.model.effects.size() == 2);
+  REQUIRE(plain.rig_model.effects.size() == 4);
+
+  CommandLine loop = shipped();
+  loop.model = models / "physical.toml";
+  const RunConfig told = loadRunConfig(loop);
+  CHECK(told.model_path == *loop.model);
+  CHECK(told.rig_model_path == plain.rig_model_path);
+  CHECK(told.rig_model.effects.size() == 4);
+
+  CommandLine rig = shipped();
+  rig.rig_model = models / "adult.toml";
+  const RunConfig real = loadRunConfig(rig);
+  CHECK(real.model_path == plain.model_path);
+  CHECK(real.rig_model_path == *rig.rig_model);
+  CHECK(real.rig_model.effects.size() == 2);
+
+  CommandLine misfit = shipped();
+  misfit.rig_model = std::filesystem::path(PATELLA_SOURCE_DIR) / "tools/diagnose/maps/emps_inertia.toml";
+  CHECK_THROWS_AS(loadRunConfig(misfit), std::invalid_argument);
+}
+
+TEST_CASE("a reference from a file replaces the configuration's") {
+  using patella::control::MultisineMotion;
+  using patella::control::SinusoidMotion;
+  CommandLine line = shipped();
+  REQUIRE(std::holds_alternative<SinusoidMotion>(loadRunConfig(line).tick.reference.motion[0]));
+  line.reference = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/references/unseen.toml";
+  const RunConfig config = loadRunConfig(line);
+  CHECK(config.reference_path == *line.reference);
+  const auto* waves = std::get_if<MultisineMotion>(&config.tick.reference.motion[0]);
+  REQUIRE(waves != nullptr);
+  REQUIRE(waves->components.size() == 4);
+  CHECK(waves->offset_rad == -1.25);
+  CHECK(waves->components[1].frequency_Hz == 0.41);
+  CHECK(waves->components[1].amplitude_rad == 0.2);
+  CHECK(waves->components[1].phase_rad == patella::control::schroederPhase_rad(1, 4));
+  line.reference = *line.reference / "missing.toml";
+  CHECK_THROWS_AS(loadRunConfig(line), FileError);
+}

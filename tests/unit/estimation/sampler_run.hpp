@@ -56,6 +56,7 @@ inline estimation::ObserverInput driftInput(const JointVector& dq, double dt_s) 
   return {.terms = {.inertia = JointMatrix::Identity(joints, joints),
                     .inverse_inertia = JointMatrix::Identity(joints, joints),
                     .bias_Nm = JointVector::Zero(joints),
+                    .drive_Nm = JointVector::Zero(joints),
                     .f = JointVector::Zero(joints)},
           .q = JointVector::Zero(joints),
           .dq = dq,

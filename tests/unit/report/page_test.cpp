@@ -54,6 +54,50 @@ TEST_CASE("a page holds every figure and every number of the summary, and nothin
   CHECK(page.find("<leg") == std::string::npos);
 }
 
+TEST_CASE("dots, error bars, ranked bars with marks and words, logarithmic axes") {
+  Figure scatter;
+  scatter.title = "Scatter";
+  scatter.log_x = true;
+  scatter.log_y = true;
+  scatter.series.push_back({.label = "dots",
+                            .colour = "#0072B2",
+                            .x = {1, 2, 30},
+                            .y = {0.5, 3, 40},
+                            .points = true,
+                            .error = {}});
+  scatter.series.push_back(
+      {.label = "mean", .colour = "#D55E00", .x = {1, 20}, .y = {1, 20}, .error = {0.5, 3}});
+  Figure ranking;
+  ranking.title = "Ranking";
+  ranking.rows = {"first of them", "second"};
+  ranking.x_range = {0.0, 10.0};
+  ranking.x_ticks = {0.0, 5.0};
+  ranking.bars = {{.row = 0, .from = 0.0, .to = 6.0, .colour = "#009E73"}};
+  ranking.row_marks = {{.row = 0, .at = 2.0, .colour = "#123456"}};
+  ranking.row_notes = {{.row = 1, .at = 1.0, .text = "words here"}};
+  ranking.levels = {{.value = 4.0, .label = "upright", .vertical = true}};
+  const std::vector<Figure> figures{scatter, ranking};
+  const std::vector<std::string> pictures = drawSvg(figures);
+  REQUIRE(pictures.size() == 2);
+  for (const char* text : {"dots", "mean", "Scatter"}) {
+    CAPTURE(text);
+    CHECK(pictures[0].find(text) != std::string::npos);
+  }
+  for (const char* text :
+       {"first of them", "second", "words here", "upright", "rgb( 18,  52,  86)", "> 5<"}) {
+    CAPTURE(text);
+    CHECK(pictures[1].find(text) != std::string::npos);
+  }
+  CHECK(pictures[1].find("> 10<") == std::string::npos);
+}
+
+TEST_CASE("a table escapes what is in it") {
+  const std::string table = tableText({.title = "<T>", .header = {"", "x & y"}, .rows = {{"a", "<1>"}}});
+  CHECK(table.find("&lt;T&gt;") != std::string::npos);
+  CHECK(table.find("<th>x &amp; y</th>") != std::string::npos);
+  CHECK(table.find("<td>&lt;1&gt;</td>") != std::string::npos);
+}
+
 TEST_CASE("a picture is a PNG, and appears whole or not at all") {
   const test::ScratchFolder folder;
   drawPng(someFigures(), "Run 7", folder / "run.png");

@@ -9,6 +9,8 @@
 #include "tools/bench/recordings/onset.hpp"
 
 namespace patella::bench {
+
+using namespace offline;
 namespace {
 
 constexpr double kRate_Hz = 1000.0;

@@ -7,9 +7,12 @@
 #include "core/emg/emg_chain.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "tools/bench/recordings/loop_run.hpp"
-#include "tools/bench/recordings/signals.hpp"
+#include "tools/signals/signals.hpp"
 
 namespace patella::bench {
+
+using offline::CorrelationPeak;
+using offline::Samples;
 
 /// Onsets of one movement, s.
 struct Onset {

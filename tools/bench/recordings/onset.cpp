@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/bench/recordings/signals.hpp"
+#include "tools/signals/signals.hpp"
 
 namespace patella::bench {
+
+using namespace offline;
 namespace {
 
 constexpr double kDeviationOfMedian = 1.4826;  // standard over median absolute deviation of a Gaussian

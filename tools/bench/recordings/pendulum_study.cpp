@@ -8,6 +8,8 @@
 #include "tools/convert/time_base.hpp"
 
 namespace patella::bench {
+
+using namespace offline;
 namespace {
 
 using convert::Interpolation;

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "tools/bench/recordings/loop_run.hpp"
-#include "tools/bench/recordings/signals.hpp"
+#include "tools/signals/signals.hpp"
 
 namespace patella::bench {
+
+using offline::Samples;
 
 /// d = I ddq + C dq + K − tau of one joint, N·m: of the loop as it came, and of the inverse dynamics offline,
 /// both −3 dB at the loop's estimate cutoff (the offline filter is twice as steep beyond). The ends, where

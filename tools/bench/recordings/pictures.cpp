@@ -8,6 +8,8 @@
 #include "tools/report/gnuplot.hpp"
 
 namespace patella::bench {
+
+using namespace offline;
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;

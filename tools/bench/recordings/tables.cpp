@@ -5,6 +5,8 @@
 #include <spdlog/fmt/fmt.h>
 
 namespace patella::bench {
+
+using namespace offline;
 namespace {
 
 constexpr double kMilli = 1e3;

@@ -4,14 +4,17 @@
 #include <span>
 #include <vector>
 
-namespace patella::bench {
+namespace patella::offline {
 
 using Samples = std::vector<double>;
 
-/// Second-order Butterworth forward and backward, −3 dB at `cutoff_Hz` after both passes, no delay. The ends
-/// are continued by point reflection. Source: Winter, Biomechanics and Motor Control of Human Movement, 4th
-/// ed., 2.2.4.4, with the correction of the cutoff for two passes.
-Samples zeroPhaseLowPass(std::span<const double> signal, double cutoff_Hz, double rate_Hz);
+/// Cutoff of each pass, so that two of them are −3 dB at `cutoff_Hz`.
+double onePassCutoff_Hz(double cutoff_Hz, int order);
+
+/// Butterworth forward and backward, `order` poles each pass, −3 dB at `cutoff_Hz` after both, no delay. The
+/// ends are continued by point reflection. Source: Winter, Biomechanics and Motor Control of Human Movement,
+/// 4th ed., 2.2.4.4, with the correction of the cutoff for two passes.
+Samples zeroPhaseLowPass(std::span<const double> signal, double cutoff_Hz, double rate_Hz, int order = 2);
 
 /// Slope by central differences, one-sided at the ends.
 Samples derivative(std::span<const double> signal, double rate_Hz);
@@ -40,4 +43,4 @@ double quantile(std::span<const double> signal, double share);
 /// Of an even number of samples the mean of the middle two.
 double median(std::span<const double> signal);
 
-}  // namespace patella::bench
+}  // namespace patella::offline

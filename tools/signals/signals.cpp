@@ -1,4 +1,4 @@
-#include "tools/bench/recordings/signals.hpp"
+#include "tools/signals/signals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,8 @@
 
 #include "core/signal/butterworth.hpp"
 
-namespace patella::bench {
+namespace patella::offline {
 namespace {
-
-constexpr int kFilterOrder = 2;
 
 void filterOnce(Samples& signal, signal::BiquadCascade filter) {
   filter.reset(signal.front());
@@ -20,10 +18,13 @@ void filterOnce(Samples& signal, signal::BiquadCascade filter) {
 
 }  // namespace
 
-Samples zeroPhaseLowPass(std::span<const double> signal, double cutoff_Hz, double rate_Hz) {
-  // Two passes of 1/(1 + x⁴) halve the power where x⁴ = √2 − 1.
-  const double one_pass_Hz = cutoff_Hz / std::pow(std::sqrt(2.0) - 1.0, 0.25);
-  const auto filter = signal::lowPass(kFilterOrder, one_pass_Hz, rate_Hz);
+double onePassCutoff_Hz(double cutoff_Hz, int order) {
+  // Two passes of 1/(1 + x^2n) halve the power where x^2n = √2 − 1.
+  return cutoff_Hz / std::pow(std::sqrt(2.0) - 1.0, 0.5 / order);
+}
+
+Samples zeroPhaseLowPass(std::span<const double> signal, double cutoff_Hz, double rate_Hz, int order) {
+  const auto filter = signal::lowPass(order, onePassCutoff_Hz(cutoff_Hz, order), rate_Hz);
   const std::size_t edge = std::min(signal.size() - 1, static_cast<std::size_t>(2.0 * rate_Hz / cutoff_Hz));
   Samples work;
   work.reserve(signal.size() + 2 * edge);
@@ -122,4 +123,4 @@ double median(std::span<const double> signal) {
   return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
 }
 
-}  // namespace patella::bench
+}  // namespace patella::offline

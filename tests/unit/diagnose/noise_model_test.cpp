@@ -1,0 +1,73 @@
+// The noise that chance is drawn from.
+#include "tools/diagnose/noise_model.hpp"
+
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "tests/unit/diagnose/recordings.hpp"
+#include "tools/diagnose/dataset.hpp"
+
+using namespace patella::diagnose;
+
+namespace {
+
+Eigen::VectorXd firstOrder(Eigen::Index rows, double keep, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd noise(rows);
+  double value = 0.0;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    value = keep * value + normal(random);
+    noise[i] = value;
+  }
+  return noise;
+}
+
+double correlationAtOne(const Eigen::VectorXd& x) {
+  return x.head(x.size() - 1).dot(x.tail(x.size() - 1)) / x.squaredNorm();
+}
+
+}  // namespace
+
+TEST_CASE("an autoregression finds the coefficient that made the noise") {
+  const Recording recording = swing(120.0);
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const Eigen::VectorXd noise = firstOrder(data.rows(), 0.8, 3);
+  const Autoregression process = Autoregression::fit(data, noise, 1, 0.0);
+  CHECK(process.coefficients[0][0] == doctest::Approx(0.8).epsilon(0.05));
+  // White noise that is assumed in it draws the coefficient towards zero: r1 / (r0 · 1.5).
+  CHECK(Autoregression::fit(data, noise, 1, 0.5).coefficients[0][0] ==
+        doctest::Approx(0.8 / 1.5).epsilon(0.06));
+}
+
+TEST_CASE("what a noise process draws has the spread and the memory of what it was fitted to") {
+  const Recording recording = swing(120.0);
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const Eigen::VectorXd noise = firstOrder(data.rows(), 0.7, 5);
+  const NoiseProcess process(data, noise);
+  CHECK(process.order() >= 1);
+  std::mt19937_64 random(7);
+  double square = 0.0, memory = 0.0;
+  constexpr int kDraws = 40;
+  for (int i = 0; i < kDraws; ++i) {
+    const Eigen::VectorXd drawn = process.draw(random);
+    REQUIRE(drawn.size() == noise.size());
+    square += drawn.squaredNorm() / kDraws;
+    memory += correlationAtOne(drawn) / kDraws;
+  }
+  CHECK(square == doctest::Approx(noise.squaredNorm()).epsilon(0.1));
+  CHECK(memory == doctest::Approx(correlationAtOne(noise)).epsilon(0.05));
+}
+
+TEST_CASE(
+    "a weighted residual has unit variance, and half the residual a lower objective by rows times log 4") {
+  const Recording recording = swing(60.0);
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const Eigen::VectorXd noise = firstOrder(data.rows(), 0.7, 9);
+  const Weighting weighting(data, noise);
+  const Eigen::MatrixXd weighted = weighting.apply(noise);
+  CHECK(weighted.squaredNorm() / static_cast<double>(weighted.rows()) == doctest::Approx(1.0));
+  CHECK(weighting.objective(noise) - weighting.objective(0.5 * noise) ==
+        doctest::Approx(static_cast<double>(weighting.rows()) * std::log(4.0)));
+}

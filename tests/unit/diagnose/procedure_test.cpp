@@ -1,0 +1,72 @@
+// The whole procedure on simulated rigs that share no dynamics with the model.
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tools/bench/diagnose/cases.hpp"
+#include "tools/diagnose/diagnose.hpp"
+
+using namespace patella;
+using namespace patella::bench;
+
+namespace {
+
+diagnose::Diagnosis diagnosed(const Case& drawn) {
+  const std::array recordings{drawn.run.recording};
+  return diagnose::diagnose(recordings, {}, drawn.nominal, {});
+}
+
+Case strong(const char* effect, Suite suite = Suite::kSingle) {
+  return drawCase(1000001, suite,
+                  {.effect = effect, .mechanism = "adult_leg", .motion = "multisine", .strength = 3.0});
+}
+
+}  // namespace
+
+TEST_CASE("an effect that the model lacks is named on its joint, and its error goes") {
+  for (const std::string kind : {"viscous_friction", "coulomb_friction", "linear_stiffness"}) {
+    CAPTURE(kind);
+    const Case drawn = strong(kind.c_str());
+    const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+    REQUIRE(diagnosis.effects.size() == 1);
+    const diagnose::EffectFinding& found = diagnosis.effects.front();
+    const auto& set = found.indistinguishable_from;
+    CHECK((found.kind == kind || std::find(set.begin(), set.end(), kind) != set.end()));
+    CHECK(found.joint == drawn.effects.front().effect.joint);
+    CHECK(found.p_value < 0.005);
+    const auto joint = static_cast<std::size_t>(found.joint);
+    CHECK(diagnosis.after.heldout_rms_Nm[joint] < 0.6 * diagnosis.refitted.heldout_rms_Nm[joint]);
+  }
+}
+
+TEST_CASE("wrong masses are no effect") {
+  for (std::uint64_t seed = 3000001; seed <= 3000004; ++seed) {
+    CAPTURE(seed);
+    const Case drawn = drawCase(seed, Suite::kNone, {.effect = {}, .mechanism = {}, .motion = "multisine"});
+    const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+    CHECK(diagnosis.verdict == diagnose::Verdict::kNothingMissing);
+    CHECK(diagnosis.effects.empty());
+    CHECK(diagnosis.after.heldout_rms_Nm[0] < diagnosis.before.heldout_rms_Nm[0]);
+  }
+}
+
+TEST_CASE("the same seed gives the same diagnosis") {
+  const Case drawn = strong("coulomb_friction");
+  const diagnose::Diagnosis first = diagnosed(drawn);
+  const diagnose::Diagnosis second = diagnosed(drawn);
+  REQUIRE(first.effects.size() == second.effects.size());
+  CHECK(first.effects.front().parameters.front().value == second.effects.front().parameters.front().value);
+  CHECK(first.effects.front().p_value == second.effects.front().p_value);
+}
+
+TEST_CASE("an effect kind that does not exist is refused by name") {
+  const Case drawn = strong("torque_bias");
+  const std::array recordings{drawn.run.recording};
+  diagnose::DiagnoseOptions options;
+  options.effects = {"magic"};
+  CHECK_THROWS_WITH_AS(diagnose::diagnose(recordings, {}, drawn.nominal, options),
+                       doctest::Contains("'magic' is unknown"), std::invalid_argument);
+}

@@ -1,0 +1,69 @@
+// What the console shows.
+#include "tools/diagnose/answer.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include <doctest/doctest.h>
+
+#include "made_up_diagnosis.hpp"
+
+using namespace patella;
+
+namespace {
+
+std::string answer(const diagnose::Diagnosis& diagnosis) {
+  std::ostringstream out;
+  diagnose::printAnswer(diagnosis, "out/knee", out);
+  return out.str();
+}
+
+}  // namespace
+
+TEST_CASE("an answer has the verdict, parameters, rivals, errors and the way to the files") {
+  const std::string text = answer(test::madeUpDiagnosis());
+  for (const char* part :
+       {"Missing effect found. A spring and dry friction",
+        "coulomb friction on joint 2: level 1.48 [1.42, 1.54] N·m",
+        "(p = 0.002); or presliding hysteresis, viscous friction on joint 1 + torque bias",
+        "error of joint 2 on held-out data, N·m: 2.4 as given, 1.3 refitted, 0.06 extended; noise floor 0.05",
+        "clipped at 12", "files in out/knee: report.html, diagnosis.json, model.extended.toml"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) != std::string::npos);
+  }
+}
+
+TEST_CASE("an answer has ten lines at most") {
+  diagnose::Diagnosis many = test::madeUpDiagnosis();
+  many.effects.resize(9, many.effects.front());
+  many.warnings.resize(20, "something");
+  const std::string text = answer(many);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 10);
+  CHECK(text.find("and 5 more\n") != std::string::npos);
+  CHECK(text.find("and 19 more in the report") != std::string::npos);
+}
+
+TEST_CASE("without held-out data the error is that of the data") {
+  const std::string text = answer(test::madeUpPostures());
+  CHECK(text.find("error of joint 1, N·m: 0.1 as given") != std::string::npos);
+}
+
+TEST_CASE("progress is one line for each stage, or one that changes on a terminal") {
+  std::ostringstream file;
+  {
+    diagnose::ProgressLine progress(file, false);
+    progress.at("columns", 0.0);
+    progress.at("search", 0.0);
+    progress.at("search", 0.5);
+    progress.at("errors", 0.0);
+  }
+  CHECK(file.str() == "columns\nsearch\nerrors\n");
+  std::ostringstream terminal;
+  {
+    diagnose::ProgressLine progress(terminal, true);
+    progress.at("search", 0.0);
+    progress.at("search", 0.501);
+    progress.at("search", 0.502);
+  }
+  CHECK(terminal.str() == "\r\033[Ksearch 0 %\r\033[Ksearch 50 %\r\033[K");
+}

@@ -1,0 +1,91 @@
+// The file that programs read.
+#include "tools/diagnose/diagnosis_json.hpp"
+
+#include <doctest/doctest.h>
+
+#include "made_up_diagnosis.hpp"
+
+using namespace patella;
+using nlohmann::json;
+
+namespace {
+
+json written() {
+  return json::parse(diagnose::diagnosisText(test::madeUpDiagnosis()));
+}
+
+}  // namespace
+
+TEST_CASE("every key is there, in the promised order") {
+  std::vector<std::string> keys;
+  const nlohmann::ordered_json out = diagnose::diagnosisJson(test::madeUpDiagnosis());
+  for (const auto& [key, value] : out.items()) {
+    keys.push_back(key);
+  }
+  CHECK(keys == std::vector<std::string>{"verdict", "explanation", "effects", "error", "simulation_error",
+                                         "excitation", "unexplained", "nominal_parameters", "drive_timing",
+                                         "steps", "warnings", "seed", "inputs", "versions"});
+}
+
+TEST_CASE("an effect has its parameters by name, and counts joints from 1") {
+  const json out = written();
+  CHECK(out["verdict"] == "effect_found");
+  REQUIRE(out["effects"].size() == 2);
+  const json& effect = out["effects"][1];
+  CHECK(effect["kind"] == "coulomb_friction");
+  CHECK(effect["joint"] == 2);
+  CHECK(effect["parameters"] == json{{"level_Nm", 1.48}});
+  CHECK(effect["ci95"]["level_Nm"] == json{1.42, 1.54});
+  CHECK(effect["p_value"] == 0.002);
+  CHECK(effect["gain_nats"] == 880.0);
+  CHECK(effect["indistinguishable_from"] == json{"presliding_hysteresis", "viscous_friction@1+torque_bias"});
+  CHECK(effect["separating_motion"] == "slow reversals of less than 0.05 rad");
+}
+
+TEST_CASE("errors before and after, with their unit; what is no number is null") {
+  const json out = written();
+  CHECK(out["error"]["before"]["train_rms"] == json{0.21, 2.31});
+  CHECK(out["error"]["refitted"]["heldout_rms"] == json{0.21, 1.3});
+  CHECK(out["error"]["after"]["heldout_relative"] == json{0.01, 0.008});
+  CHECK(out["error"]["after"]["train_relative"] == json{0.01, 0.007});
+  CHECK(out["error"]["noise_floor"] == json{0.19, 0.05});
+  CHECK(out["error"]["unit"] == "N·m");
+  CHECK(out["simulation_error"]["window_s"] == 0.5);
+  CHECK(out["simulation_error"]["before"] == json{0.002, 0.31});
+  CHECK(out["simulation_error"]["after"][0] == 0.002);
+  CHECK(out["simulation_error"]["after"][1].is_null());
+  CHECK(out["simulation_error"]["unit"] == "rad");
+}
+
+TEST_CASE("the way to the answer is told") {
+  const json out = written();
+  CHECK(out["unexplained"][0] ==
+        json{{"joint", 1}, {"variable", "ddq1*q1"}, {"explained_rms", 0.02}, {"p_value", 0.02}});
+  CHECK(out["nominal_parameters"][0]["name"] == "mass_kg.1");
+  CHECK(out["nominal_parameters"][0]["refitted"] == 7.31);
+  CHECK(out["drive_timing"][0]["joint"] == 2);
+  CHECK(out["drive_timing"][0]["lag_s"] == 0.008);
+  CHECK(out["excitation"]["not_identifiable"] == json{"torque_gain@1"});
+  REQUIRE(out["steps"].size() == 3);
+  CHECK(out["steps"][0]["accepted"] == "linear_stiffness@2");
+  CHECK(out["steps"][0]["ranking"][3]["refused_because"] == "sign or range");
+  CHECK(out["steps"][2]["accepted"].is_null());
+  CHECK(out["seed"] == 7);
+  CHECK(out["inputs"][0]["sha256"] == "12ab");
+  for (const char* part : {"patella", "eigen", "ceres"}) {
+    CHECK(out["versions"][part].get<std::string>().find('.') != std::string::npos);
+  }
+}
+
+TEST_CASE("an empty diagnosis has empty lists, and any bytes may be in a path") {
+  diagnose::Diagnosis nothing;
+  nothing.inputs = {{.path = "f\xffle.csv", .sha256 = ""}};
+  const json out = json::parse(diagnose::diagnosisText(nothing));
+  for (const char* key :
+       {"effects", "unexplained", "nominal_parameters", "drive_timing", "steps", "warnings"}) {
+    CAPTURE(key);
+    CHECK(out[key].is_array());
+    CHECK(out[key].empty());
+  }
+  CHECK(out["inputs"][0]["path"] == "f\uFFFDle.csv");
+}

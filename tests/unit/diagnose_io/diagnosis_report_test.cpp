@@ -1,0 +1,51 @@
+// The page, drawn by gnuplot.
+#include "tools/diagnose/diagnosis_report.hpp"
+
+#include <doctest/doctest.h>
+
+#include "made_up_diagnosis.hpp"
+
+using namespace patella;
+
+namespace {
+
+std::size_t countOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("a page says it all and needs nothing beside it") {
+  const std::string page = diagnose::diagnosisPage(test::madeUpDiagnosis());
+  CHECK(page.starts_with("<!DOCTYPE html>"));
+  CHECK(countOf(page, "<svg") == 14);
+  CHECK(countOf(page, "</svg>") == 14);
+  for (const char* part :
+       {"<h1>Missing effect found</h1>", "A spring and dry friction on joint 2",
+        "level 1.48 [1.42, 1.54] N·m",
+        "cannot be told from: presliding hysteresis; viscous friction on joint 1 + torque bias",
+        "what would tell: slow reversals", "joint 2, with what was found", "noise floor", "mass_kg.1",
+        "ddq1*q1", "not identifiable", "torque gain on joint 1", "Commanded against measured torque",
+        "Coulomb friction on joint 2", "refused: cross-validation", "12ab", "clipped at 12",
+        "&lt;run &amp; &quot;log&quot;&gt;"}) {
+    CAPTURE(part);
+    CHECK(page.find(part) != std::string::npos);
+  }
+  CHECK(page.find("<run") == std::string::npos);
+  CHECK(page.find("src=") == std::string::npos);
+  CHECK(page.find("http-equiv") == std::string::npos);
+}
+
+TEST_CASE("a page of postures, and one of nothing at all") {
+  const std::string postures = diagnose::diagnosisPage(test::madeUpPostures());
+  CHECK(postures.find("<h1>Nothing is missing</h1>") != std::string::npos);
+  CHECK(countOf(postures, "<svg") == 1);
+  diagnose::Diagnosis nothing;
+  nothing.verdict = diagnose::Verdict::kInsufficientExcitation;
+  CHECK(diagnose::diagnosisPage(nothing).find("<h1>The motion is too poor to tell</h1>") !=
+        std::string::npos);
+}

@@ -1,0 +1,45 @@
+// The benchmark's error, against the figure that is published for the published model.
+#include "tools/bench/measured/emps_error.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/paths.hpp"
+#include "tools/diagnose/recording_file.hpp"
+
+using namespace patella;
+
+namespace {
+
+const std::filesystem::path kTools = std::filesystem::path(PATELLA_SOURCE_DIR) / "tools";
+
+diagnose::Recording recorded() {
+  return diagnose::loadRecording(PATELLA_DATA_DIR "/emps/emps.csv",
+                                 {.joints = 1, .columns = kTools / "diagnose/maps/emps.toml"});
+}
+
+}  // namespace
+
+TEST_CASE("the published model of EMPS has the published error") {
+  const diagnose::Recording recording = recorded();
+  const app::ModelDescription published = app::loadModel(kTools / "bench/measured/emps_published.toml");
+  const bench::RelativeError error = bench::relativeError(recording, published, 0.7);
+  CHECK(error.all_percent == doctest::Approx(4.08).epsilon(0.0015));
+  CHECK(error.train_percent < error.all_percent);
+  CHECK(error.all_percent < error.heldout_percent);
+
+  const app::ModelDescription mass_only = app::loadModel(kTools / "diagnose/maps/emps_inertia.toml");
+  CHECK(bench::relativeError(recording, mass_only, 0.7).all_percent > 60.0);
+}
+
+TEST_CASE("recordings that the benchmark's error is not made for are refused") {
+  const app::ModelDescription model = app::loadModel(kTools / "bench/measured/emps_published.toml");
+  const app::ModelDescription two_joints =
+      app::loadModel(std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/models/adult.toml");
+  diagnose::Recording recording = recorded();
+  CHECK_THROWS_AS(bench::relativeError(recording, two_joints, 0.7), std::invalid_argument);
+  recording.segments.push_back(recording.segments.front());
+  CHECK_THROWS_AS(bench::relativeError(recording, model, 0.7), std::invalid_argument);
+}

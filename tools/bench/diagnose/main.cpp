@@ -1,0 +1,248 @@
+// patella-bench-diagnose: diagnosis on simulated rigs whose truth is known. How it is marked stands in
+// score.hpp.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "tools/bench/diagnose/summary.hpp"
+#include "tools/diagnose/diagnose.hpp"
+
+namespace {
+
+using namespace patella;
+using namespace patella::bench;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::size_t cases = 100;
+  std::size_t first = 0;
+  std::uint64_t seed = 1;
+  std::string suite = "all";
+  unsigned threads = 2;
+  std::filesystem::path out;
+  int replicates = diagnose::DiagnoseOptions{}.bootstrap_replicates;
+  bool recordings = false;
+  bool draw_only = false;
+  Wish wish;
+};
+
+constexpr const char* kRules = R"(Rules
+  named right   the verdict is effect_found, and choosing one alternative of each finding (its own kind, or an entry
+                of indistinguishable_from) gives exactly the true effects on their joints; with at most two
+                alternatives each. Larger sets are counted apart.
+  false         a finding none of whose alternatives consists of true effects. Kinds count as they are called.
+  unknown       right for an effect beyond the library; the variable is right where the strongest remaining
+                dependence names one that the true torque depends on.
+  strength      rms of the effect's torque below 10 Hz that no nominal parameter explains, over the rms of the noise.
+  held-out      error over the true noise in the same band, joints together.
+  Payload, rotor inertia of a first or only joint and torque gain of a single joint are what other nominal
+  parameters would be: drawn in physical sizes and counted apart.
+Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown.)";
+
+Suite suiteOf(const std::string& name, std::size_t index) {
+  if (name == "all") {
+    constexpr std::size_t kCycle = 20, kSingles = 10, kNones = 14, kDoubles = 17;
+    const std::size_t place = index % kCycle;
+    return place < kSingles   ? Suite::kSingle
+           : place < kNones   ? Suite::kNone
+           : place < kDoubles ? Suite::kDouble
+                              : Suite::kUnknown;
+  }
+  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble}) {
+    if (suiteName(suite) == name) {
+      return suite;
+    }
+  }
+  return Suite::kUnknown;
+}
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void saveCase(const Case& drawn, const std::filesystem::path& folder) {
+  const std::string stem = drawn.run.recording.name;
+  writeCsv(drawn.run, folder / (stem + ".csv"));
+  std::string heading = "Model handed over with " + stem + ".csv, which lacks:";
+  for (const CaseEffect& effect : drawn.effects) {
+    heading += " " + effect.effect.label();
+  }
+  app::saveModel(drawn.nominal, folder / (stem + ".toml"), heading);
+}
+
+CaseResult runCase(const Options& options, std::size_t index) {
+  constexpr std::uint64_t kCasesOfSeed = 1'000'000;
+  const auto start = Clock::now();
+  const Suite suite = suiteOf(options.suite, index);
+  Case drawn = drawCase(options.seed * kCasesOfSeed + index, suite, options.wish);
+  CaseResult result;
+  result.seed = drawn.seed;
+  result.suite = suite;
+  result.mechanism = drawn.mechanism;
+  result.motion = drawn.motion;
+  result.duration_s = drawn.rig.duration_s;
+  result.effects = drawn.effects;
+  result.truth = truthOf(drawn);
+  result.simulating_s = secondsSince(start);
+  if (options.recordings) {
+    saveCase(drawn, options.out);
+  }
+  if (options.draw_only) {
+    return result;
+  }
+  const auto diagnosing = Clock::now();
+  try {
+    diagnose::DiagnoseOptions how;
+    how.seed = drawn.seed;
+    how.bootstrap_replicates = options.replicates;
+    result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
+    result.diagnosis.curves.clear();
+    result.score = score(result.truth, result.diagnosis);
+  } catch (const std::exception& error) {
+    result.error = error.what();
+    result.score.outcome = Outcome::kFailed;
+  }
+  result.diagnosing_s = secondsSince(diagnosing);
+  return result;
+}
+
+// Cases one by one as threads get free; results in the order of the cases.
+class Pool {
+ public:
+  explicit Pool(const Options& options) : options_(options), results_(options.cases) {
+    if (!options.out.empty()) {
+      std::filesystem::create_directories(options.out);
+      table_.open(options.out / "results.csv");
+      table_ << csvHeader();
+    }
+  }
+
+  std::vector<CaseResult> run() {
+    std::vector<std::thread> threads;
+    for (unsigned i = 0; i < options_.threads; ++i) {
+      threads.emplace_back([this] { work(); });
+    }
+    for (std::thread& thread : threads) {
+      thread.join();
+    }
+    if (failure_) {
+      std::rethrow_exception(failure_);
+    }
+    return std::move(results_);
+  }
+
+ private:
+  void work() {
+    for (std::size_t i = next_++; i < options_.cases; i = next_++) {
+      try {
+        results_[i] = runCase(options_, options_.first + i);
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        failure_ = std::current_exception();
+        next_ = options_.cases;
+        return;
+      }
+      const std::lock_guard lock(mutex_);
+      note(results_[i]);
+    }
+  }
+
+  void note(const CaseResult& result) {
+    ++done_;
+    const std::string row = csvRow(result);
+    if (table_.is_open()) {
+      table_ << row << std::flush;
+    }
+    std::string truth;
+    for (const CaseEffect& effect : result.effects) {
+      truth += " " + effect.effect.label();
+    }
+    std::fprintf(stderr, "%zu of %zu: %s %llu%s: %s\n", done_, options_.cases,
+                 std::string(suiteName(result.suite)).c_str(), static_cast<unsigned long long>(result.seed),
+                 truth.c_str(),
+                 !result.error.empty() ? result.error.c_str()
+                 : options_.draw_only  ? "drawn"
+                                       : std::string(outcomeName(result.score.outcome)).c_str());
+  }
+
+  const Options& options_;
+  std::vector<CaseResult> results_;
+  std::atomic<std::size_t> next_{0};
+  std::size_t done_ = 0;
+  std::mutex mutex_;
+  std::ofstream table_;
+  std::exception_ptr failure_;
+};
+
+void runAll(const Options& options) {
+  const std::vector<CaseResult> results = Pool(options).run();
+  if (options.draw_only) {
+    return;
+  }
+  const std::string summary = summaryText(results);
+  std::cout << summary;
+  if (!options.out.empty()) {
+    app::writeFile(options.out / "summary.txt", summary);
+    drawSummary(results, options.out);
+    std::cout << "  results.csv, summary.txt and pictures in " << options.out.string() << "\n";
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  CLI::App app("Diagnoses simulated rigs whose truth is known, and marks the answers.",
+               "patella-bench-diagnose");
+  app.footer(kRules);
+  Options options;
+  app.add_option("--cases", options.cases, "how many")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--seed", options.seed, "cases of different seeds have nothing in common")
+      ->capture_default_str();
+  app.add_option("--first", options.first, "number of the first case of the seed")->capture_default_str();
+  app.add_option("--suite", options.suite, "what is missing")
+      ->check(CLI::IsMember({"single", "double", "none", "unknown", "all"}))
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "cases at once")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--out", options.out, "folder for results.csv, which grows with the cases, and pictures");
+  app.add_option("--replicates", options.replicates, "of the bootstrap")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--only", options.wish.effect, "kind of effect");
+  app.add_option("--mechanism", options.wish.mechanism,
+                 "paper_leg, adult_leg, light_arm, knee or linear_axis");
+  app.add_option("--motion", options.wish.motion, "multisine, gait or sine");
+  app.add_option("--strength", options.wish.strength, "of each effect, instead of 0.5 to 5")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
+  app.add_flag("--draw-only", options.draw_only, "diagnose nothing");
+  try {
+    app.parse(argc, argv);
+    if (options.recordings && options.out.empty()) {
+      throw CLI::ValidationError("--recordings", "needs --out");
+    }
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    runAll(options);
+  } catch (const std::exception& error) {
+    std::cerr << "patella-bench-diagnose: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,125 @@
+// The robot of the benchmark, written without the code that is judged with it: angles of the segments against
+// the horizontal instead of joint angles, Moreau's midpoint rule at 50 µs instead of Runge and Kutta, and dry
+// friction that sticks, as an impulse in a set, instead of a smoothed sign.
+//
+// Sources: Greenwood, Principles of Dynamics, 2nd ed., 6.6 (absolute angles); Moreau 1999, Computer Methods
+// in Applied Mechanics and Engineering 177 (time stepping); Canudas de Wit, Olsson, Åström, Lischinsky 1995,
+// IEEE Transactions on Automatic Control 40(3) (LuGre); Riener, Edrich 1999, Journal of Biomechanics 32(5).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "tools/bench/diagnose/kinds.hpp"
+
+namespace patella::bench {
+
+inline constexpr std::size_t kJoints = 2;    ///< at most
+inline constexpr std::size_t kChannels = 2;  ///< of EMG
+inline constexpr double kTick_s = 1e-3;
+
+using Pair = std::array<double, 2>;
+
+enum class Shape { kLeg, kRevolute, kPrismatic };
+
+/// Rigid body with linear damping, as it is. For a prismatic joint read m, N, N·s/m.
+struct Body {
+  Shape shape = Shape::kLeg;
+  Pair mass_kg{};                ///< leg; prismatic: [0]
+  Pair length_m{};               ///< leg
+  Pair com_m{};                  ///< leg
+  Pair inertia_kg_m2{};          ///< leg: about the centres of mass; revolute: [0], about the axis
+  double moment_kg_m = 0.0;      ///< revolute
+  double inclination_rad = 0.0;  ///< prismatic
+  double gravity_m_s2 = 9.81;
+  Pair damping_Nms_rad{};
+
+  std::size_t joints() const noexcept { return shape == Shape::kLeg ? 2 : 1; }
+};
+
+/// What acts on the robot from outside, a value a tick of 1 ms, linear in between.
+struct Surroundings {
+  std::array<std::vector<double>, kJoints> human_Nm;
+  std::array<std::vector<double>, kChannels> activation;  ///< 0…1
+  std::vector<double> phase_walk;  ///< random walk of variance 1 a second, for what wanders
+};
+
+class Plant {
+ public:
+  /// At rest unless a velocity is given. `surroundings` must outlive it and reach as far as it is advanced;
+  /// an empty signal is zero.
+  Plant(const Body& body, std::span<const TrueEffect> effects, const Surroundings& surroundings,
+        const Pair& position, const Pair& velocity = {});
+
+  /// One tick with the command held.
+  void advance(const Pair& command_Nm);
+
+  /// Joint angles as they are.
+  Pair position() const noexcept;
+  Pair velocity() const noexcept;
+  /// What the encoders, which may be mounted askew, are to count.
+  Pair encoder() const noexcept;
+  /// Of the motor, which differs from the joint's where the transmission gives way.
+  Pair motorPosition() const noexcept;
+  /// Kinetic and potential energy of the segments, J.
+  double energy() const noexcept;
+
+ private:
+  struct Memory {
+    double bristle = 0.0;          // LuGre
+    std::vector<double> velocity;  // spasticity: one a step
+  };
+  struct Motor {
+    bool apart = false;
+    double angle = 0.0, rate = 0.0;
+    double inertia = 0.0, stiffness = 0.0, damping = 0.0, half_gap = 0.0;
+    bool pulls = true;
+  };
+  struct Drive {
+    double gain = 1.0, lag_s = 0.0, delay_s = 0.0, lagged = 0.0;
+    std::vector<double> commands;
+  };
+  // What an instant looks like to the effects.
+  struct Instant {
+    double time_s = 0.0;
+    Pair q{}, dq{}, drive_Nm{};
+  };
+  // Smooth torque on a joint, how much dry friction can hold there against motion forwards and backwards, and
+  // inertia that is there in addition.
+  struct Load {
+    Pair torque{};
+    Pair against_forward{}, against_backward{};
+    Pair inertia{};
+  };
+
+  void setBody(const Body& body);
+  void mount(const TrueEffect& effect, const Body& body);
+  void step(std::size_t step_in_tick);
+  Pair toJoints(const Pair& segments) const noexcept;
+  double signalAt(const std::vector<double>& signal, double time_s) const noexcept;
+  double driveTorque(std::size_t joint, double time_s);
+  double softTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const;
+  double humanTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const;
+  Pair solveVelocity(const Pair& middle, const Pair& rate, const Load& load) const;
+
+  Shape shape_;
+  std::size_t joints_;
+  // Kinetic energy ½ a v1² + ½ d v2² + c cos(θ1 − θ2) v1 v2 and potential g (w1 sin θ1 + w2 sin θ2).
+  double a_ = 0.0, d_ = 0.0, c_ = 0.0, w1_ = 0.0, w2_ = 0.0;
+  Pair rotor_{};
+  double gravity_ = 0.0;
+  Pair damping_{};
+  Pair encoder_offset_{};
+  std::vector<TrueEffect> effects_;
+  std::vector<Memory> memory_;
+  std::array<Motor, kJoints> motor_;
+  std::array<Drive, kJoints> drive_;
+  const Surroundings* surroundings_;
+
+  Pair theta_{}, v_{}, v_before_{};
+  std::size_t tick_ = 0;
+};
+
+}  // namespace patella::bench

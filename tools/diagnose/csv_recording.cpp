@@ -1,0 +1,278 @@
+#include "tools/diagnose/csv_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "firmware_app/files/csv_table.hpp"
+#include "firmware_app/files/wording.hpp"
+#include "tools/diagnose/held_torque.hpp"
+#include "tools/signals/signals.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using app::CsvTable;
+using app::FileError;
+
+constexpr const char* kStepsColumn = "encoder_steps";
+
+std::vector<std::string> headerOf(std::string_view text, const std::string& name, char delimiter) {
+  return CsvTable::parse(text.substr(0, text.find('\n')), name, {.delimiter = delimiter, .minimum_rows = 0})
+      .names();
+}
+
+std::string numbered(const char* stem, std::size_t index, const char* ending) {
+  return std::string(stem) + std::to_string(index + 1) + ending;
+}
+
+/// Reads the columns that are asked for, and no others, which may hold text.
+class NamedColumns {
+ public:
+  NamedColumns(std::string_view text, std::string name)
+      : text_(text), name_(std::move(name)), header_(headerOf(text, name_, ',')) {}
+
+  bool has(const std::string& column) const {
+    return std::find(header_.begin(), header_.end(), column) != header_.end();
+  }
+  /// First of the names that the file has.
+  std::string firstOf(std::initializer_list<std::string> names) const {
+    const auto found = std::find_if(names.begin(), names.end(), [&](const auto& n) { return has(n); });
+    return found == names.end() ? std::string() : *found;
+  }
+  void want(const std::string& column) { wanted_.push_back(column); }
+  CsvTable read() const { return CsvTable::parse(text_, name_, {.columns = wanted_, .allow_missing = true}); }
+
+ private:
+  std::string_view text_;
+  std::string name_;
+  std::vector<std::string> header_;
+  std::vector<std::string> wanted_;
+};
+
+std::vector<double> copyOf(const CsvTable& table, const std::string& column) {
+  const auto values = table.column(column);
+  return {values.begin(), values.end()};
+}
+
+void requireJoints(const NamedColumns& columns, const std::string& name, int joints) {
+  const std::string beyond = numbered("q", static_cast<std::size_t>(joints), "_rad");
+  if (columns.has(beyond)) {
+    throw FileError(name + ":1: there is a column '" + beyond + "', but the model has " +
+                    (joints == 1 ? "one joint" : std::to_string(joints) + " joints"));
+  }
+}
+
+void numberLines(RawRecording& recording) {
+  for (std::size_t row = 0; row < recording.rows(); ++row) {
+    recording.line.push_back(CsvTable::lineOf(row));
+  }
+}
+
+/// Named signals of a table; `extra` columns are read for the caller.
+CsvTable readSignals(std::string_view text, RawRecording& recording,
+                     std::initializer_list<const char*> extra) {
+  NamedColumns columns(text, recording.name);
+  const auto joints = static_cast<std::size_t>(recording.joints);
+  requireJoints(columns, recording.name, recording.joints);
+  std::array<std::string, kMaxJoints> commanded;
+  columns.want("t_s");
+  for (std::size_t j = 0; j < joints; ++j) {
+    columns.want(numbered("q", j, "_rad"));
+    columns.want(numbered("tau", j, "_Nm"));
+    commanded[j] = columns.firstOf({numbered("tau_cmd", j, "_Nm"), numbered("tau", j, "_cmd_Nm")});
+    if (!commanded[j].empty()) {
+      columns.want(commanded[j]);
+    }
+  }
+  const bool has_activation = columns.has("activation1");
+  std::array<std::string, kMaxEmgChannels> emg;
+  for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
+    const std::string column = has_activation ? numbered("activation", c, "") : numbered("emg", c, "_mV");
+    if (columns.has(column)) {
+      emg[c] = column;
+      columns.want(column);
+    }
+  }
+  for (const char* column : extra) {
+    if (columns.has(column)) {
+      columns.want(column);
+    }
+  }
+  CsvTable table = columns.read();
+  recording.stamp_s = copyOf(table, "t_s");
+  for (std::size_t j = 0; j < joints; ++j) {
+    recording.position_rad[j] = copyOf(table, numbered("q", j, "_rad"));
+    recording.torque_Nm[j] = copyOf(table, numbered("tau", j, "_Nm"));
+    if (!commanded[j].empty()) {
+      recording.commanded_Nm[j] = copyOf(table, commanded[j]);
+    }
+  }
+  for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
+    if (!emg[c].empty()) {
+      (has_activation ? recording.activation : recording.emg_mV)[c] = copyOf(table, emg[c]);
+    }
+  }
+  numberLines(recording);
+  return table;
+}
+
+/// Keeps the rows whose number is in `rows`, in their order.
+void keepRows(RawRecording& recording, const std::vector<std::size_t>& rows) {
+  const auto keep = [&](auto& values) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      values[i] = values[rows[i]];
+    }
+    values.resize(rows.size());
+  };
+  if (!recording.stamp_s.empty()) {
+    keep(recording.stamp_s);
+  }
+  keep(recording.line);
+  RawRecording::forEachSignal(recording,
+                              [&](const std::string&, std::vector<double>& values) { keep(values); });
+}
+
+bool neverMoves(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0 || std::isnan(v); });
+}
+
+bool reportsNoTorque(const RawRecording& recording) {
+  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
+    if (!neverMoves(recording.torque_Nm[j]) || recording.commanded_Nm[j].empty()) {
+      return false;
+    }
+  }
+  return std::any_of(recording.commanded_Nm.begin(), recording.commanded_Nm.end(),
+                     [](const auto& commanded) { return !neverMoves(commanded); });
+}
+
+double medianLatency_s(const CsvTable& table) {
+  constexpr const char* kColumn = "latency_us";
+  if (!table.has(kColumn)) {
+    return 0.0;
+  }
+  std::vector<double> known = copyOf(table, kColumn);
+  std::erase_if(known, [](double value) { return std::isnan(value); });
+  return known.empty() ? 0.0 : 1e-6 * offline::median(known);
+}
+
+std::vector<double> valuesOf(const CsvTable& table, const ColumnSource& source, std::size_t rows) {
+  if (source.column.empty()) {
+    return std::vector<double>(rows, source.offset);
+  }
+  std::vector<double> values = copyOf(table, source.column);
+  for (double& value : values) {
+    value = source.scale * value + source.offset;
+  }
+  return values;
+}
+
+std::vector<std::size_t> chosenRows(const CsvTable& table, const std::vector<RowChoice>& only) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (std::all_of(only.begin(), only.end(), [&](const RowChoice& choice) {
+          return table.column(choice.column)[row] == choice.equals;
+        })) {
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+bool isLoopTable(std::string_view text) {
+  return text.substr(0, text.find('\n')).find(kStepsColumn) != std::string_view::npos;
+}
+
+RawRecording readNamedColumns(std::string_view text, const std::string& name, int joints) {
+  RawRecording recording;
+  recording.name = name;
+  recording.joints = joints;
+  readSignals(text, recording, {});
+  return recording;
+}
+
+RawRecording readLoopTable(std::string_view text, const std::string& name, int joints, bool sampled) {
+  RawRecording recording;
+  recording.name = name;
+  recording.joints = joints;
+  const CsvTable table = readSignals(text, recording, {kStepsColumn, "latency_us"});
+  if (reportsNoTorque(recording)) {
+    takeCommandsAsApplied(recording);
+  }
+  // A tick without a new sample of all joints repeats the one before it.
+  const auto steps = table.column(kStepsColumn);
+  std::vector<std::size_t> sampled_rows;
+  std::vector<double> count;
+  double samples = 0.0;
+  for (std::size_t row = 0; row < recording.rows(); ++row) {
+    if (steps[row] > 0.0 && std::isfinite(recording.position_rad[0][row])) {
+      samples += sampled_rows.empty() ? 0.0 : steps[row];
+      sampled_rows.push_back(row);
+      count.push_back(samples);
+    }
+  }
+  if (sampled_rows.size() < 2) {
+    throw FileError(name + ": " + std::to_string(sampled_rows.size()) +
+                    " rows with an encoder sample, expected a recorded motion");
+  }
+  keepRows(recording, sampled_rows);
+  const double start_s = recording.stamp_s.front();
+  const double period_s = (recording.stamp_s.back() - start_s) / samples;
+  if (!(period_s > 0.0)) {
+    throw FileError(name + ":" + std::to_string(recording.line.back()) + ": time " +
+                    app::formatNumber(recording.stamp_s.back()) + " s at the end, expected more than " +
+                    app::formatNumber(start_s) + " s as at the beginning");
+  }
+  for (std::size_t row = 0; row < count.size(); ++row) {
+    recording.stamp_s[row] = start_s + count[row] * period_s;
+  }
+  recording.rate_Hz = 1.0 / period_s;
+  if (sampled) {
+    recording.torque_timing = TorqueTiming::kSampled;
+  } else {
+    alignHeldTorque(recording, medianLatency_s(table) / period_s);
+  }
+  return recording;
+}
+
+RawRecording readMappedColumns(std::string_view text, const std::string& name, int joints,
+                               const ColumnMap& map) {
+  if (map.joints.size() != static_cast<std::size_t>(joints)) {
+    throw FileError(name + ": the map of its columns has " + std::to_string(map.joints.size()) +
+                    " tables [[joint]], but the model has " +
+                    (joints == 1 ? "one joint" : std::to_string(joints) + " joints"));
+  }
+  const CsvTable table = CsvTable::parse(
+      text, name, {.delimiter = map.delimiter, .columns = map.columns(), .allow_missing = true});
+  RawRecording recording;
+  recording.name = name;
+  recording.joints = joints;
+  recording.torque_timing = map.torque_timing;
+  recording.is_static = map.is_static;
+  if (!map.is_static) {
+    recording.stamp_s = valuesOf(table, {.column = map.time_column, .scale = map.time_scale_s}, table.rows());
+  }
+  for (std::size_t j = 0; j < map.joints.size(); ++j) {
+    recording.position_rad[j] = valuesOf(table, map.joints[j].position_rad, table.rows());
+    recording.torque_Nm[j] = valuesOf(table, map.joints[j].torque_Nm, table.rows());
+    if (map.joints[j].commanded_Nm) {
+      recording.commanded_Nm[j] = valuesOf(table, *map.joints[j].commanded_Nm, table.rows());
+    }
+  }
+  for (std::size_t c = 0; c < map.emg_mV.size(); ++c) {
+    recording.emg_mV[c] = valuesOf(table, map.emg_mV[c], table.rows());
+  }
+  for (std::size_t c = 0; c < map.activation.size(); ++c) {
+    recording.activation[c] = valuesOf(table, map.activation[c], table.rows());
+  }
+  numberLines(recording);
+  if (!map.only.empty()) {
+    keepRows(recording, chosenRows(table, map.only));
+  }
+  return recording;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,107 @@
+// Recordings as regression sees them: smoothed states, and everything that is compared put through one
+// low-pass and decimated alike, so that no filter stands on one side of the equation only.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/model/dynamics_model.hpp"
+#include "tools/diagnose/recording.hpp"
+
+namespace patella::diagnose {
+
+/// Values of all joints in the analysis band: the rows of joint 1, then those of joint 2.
+using Column = Eigen::VectorXd;
+
+struct DatasetOptions {
+  double smoothing_Hz = 40.0;         ///< zero-phase, on positions and torques before they are differentiated
+  double evaluation_rate_Hz = 500.0;  ///< at most; effects are evaluated at this rate
+  double band_Hz = 14.0;              ///< zero-phase, on torques and columns
+};
+
+/// The motion's own band: two and a half times the frequency below which 99 % of the power of every joint's
+/// velocity lies, within 6 to 14 Hz. What lies far above it is vibration of the structure, which no rigid
+/// model explains.
+double motionBand_Hz(std::span<const Recording> recordings);
+
+/// One stretch without a gap, at the evaluation rate.
+struct Series {
+  double rate_Hz = 0.0;
+  std::vector<model::EffectInput> states;  ///< smoothed; torque is what acted at the instant
+  std::vector<JointVector> acceleration;   ///< rad/s²
+  /// The same below the band's middle. As a variable on which a residual may depend it has to be free of the
+  /// encoder's noise, which is in the residual too.
+  std::vector<JointVector> slow_acceleration;
+};
+
+/// Rows first … end−1 of every joint that follow each other in time.
+struct Block {
+  Eigen::Index first = 0;
+  Eigen::Index end = 0;
+  std::size_t recording = 0;
+};
+
+class Dataset {
+ public:
+  /// Stretches shorter than `kShortest_s` are left out. Throws std::invalid_argument where nothing remains.
+  Dataset(std::span<const Recording> recordings, const DatasetOptions& options);
+  static constexpr double kShortest_s = 2.0;
+
+  int joints() const noexcept { return joints_; }
+  /// Of one joint.
+  Eigen::Index rows() const noexcept { return rows_; }
+  /// Of the analysis band.
+  double rate_Hz() const noexcept { return rate_Hz_; }
+  double band_Hz() const noexcept { return band_Hz_; }
+  bool isStatic() const noexcept { return is_static_; }
+  std::span<const Series> series() const noexcept { return series_; }
+  std::span<const Block> blocks() const noexcept { return blocks_; }
+
+  /// Puts a torque that belongs to each state through the band. `torque` is called for the states of a
+  /// series in the order of time; `start` (which may be empty) before the first of each.
+  Column column(const std::function<void(const Series&)>& start,
+                const std::function<JointVector(const Series&, std::size_t)>& torque) const;
+
+  /// Torque of the drives.
+  Column driveTorque() const;
+  /// Torque that a model needs for the recorded motion.
+  Column modelTorque(model::DynamicsModel& dynamics) const;
+  /// Torque that an effect takes from the drives: −torque() + ΔI ddq.
+  Column effectTorque(model::Effect& effect) const;
+  /// Columns of the mechanism's regressor.
+  std::vector<Column> regressor(const model::Mechanism& mechanism) const;
+  /// A variable of one joint's state through the band, as `rows()` values.
+  Eigen::VectorXd variable(const std::function<double(const Series&, std::size_t)>& value) const;
+  /// Time of each row, s.
+  const Eigen::VectorXd& time_s() const noexcept { return time_s_; }
+  /// What the band leaves of a sinusoid.
+  double gain(double frequency_Hz) const noexcept;
+
+ private:
+  Eigen::VectorXd band(std::span<const double> signal, double rate_Hz) const;
+  std::size_t edgeSamples(double rate_Hz) const noexcept;
+
+  int joints_;
+  bool is_static_;
+  double rate_Hz_ = 0.0;
+  double band_Hz_ = 0.0;
+  std::size_t decimation_ = 1;
+  Eigen::Index rows_ = 0;
+  Eigen::VectorXd time_s_;
+  std::vector<Series> series_;
+  std::vector<Block> blocks_;
+};
+
+/// The same recordings cut in two: all but the last `fraction` of each stretch, and that. A stretch whose
+/// parts would be too short stays whole in the first.
+struct SplitRecordings {
+  std::vector<Recording> train;
+  std::vector<Recording> heldout;
+};
+SplitRecordings split(std::span<const Recording> recordings, double heldout_fraction);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,15 @@
+// Effects that a model declares already, as terms of a fit.
+#pragma once
+
+#include <memory>
+
+#include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/recipe.hpp"
+
+namespace patella::diagnose {
+
+/// A recipe whose coefficients are the ratios of the effect's strengths to the declared ones, or nullptr
+/// where the effect has no strength that could be scaled: it is then kept as it is.
+std::shared_ptr<const Recipe> declaredRecipe(const app::EffectDescription& effect);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,195 @@
+#include "tools/diagnose/dependence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <fmt/format.h>
+
+#include "tools/signals/signals.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr int kKnots = 8;
+
+using Value = std::function<double(const Series&, std::size_t)>;
+
+struct Variable {
+  std::string name;
+  Value value;
+  Value factor;  ///< multiplies every function of the value; empty: 1
+};
+
+std::vector<Variable> variables(const Dataset& data, std::span<const int> channels) {
+  std::vector<Variable> all;
+  const auto state = [&](const char* stem, auto member) {
+    for (int j = 0; j < data.joints(); ++j) {
+      all.push_back({.name = fmt::format("{}{}", stem, j + 1),
+                     .value = [=](const Series& s, std::size_t i) { return member(s, i)[j]; },
+                     .factor = {}});
+    }
+  };
+  state("q", [](const Series& s, std::size_t i) { return s.states[i].q; });
+  if (data.isStatic()) {
+    return all;
+  }
+  state("dq", [](const Series& s, std::size_t i) { return s.states[i].dq; });
+  state("ddq", [](const Series& s, std::size_t i) { return s.slow_acceleration[i]; });
+  all.push_back({.name = "time",
+                 .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
+                 .factor = {}});
+  for (const int channel : channels) {
+    all.push_back({.name = fmt::format("activation{}", channel),
+                   .value =
+                       [=](const Series& s, std::size_t i) {
+                         return s.states[i].activation[static_cast<std::size_t>(channel - 1)];
+                       },
+                   .factor = {}});
+  }
+  for (int j = 0; j < data.joints(); ++j) {
+    const Value acceleration = [=](const Series& s, std::size_t i) { return s.slow_acceleration[i][j]; };
+    const Value velocity = [=](const Series& s, std::size_t i) { return s.states[i].dq[j]; };
+    const Value position = [=](const Series& s, std::size_t i) { return s.states[i].q[j]; };
+    const Value time = [](const Series& s, std::size_t i) { return s.states[i].time_s; };
+    all.push_back(
+        {.name = fmt::format("ddq{}*q{}", j + 1, j + 1), .value = position, .factor = acceleration});
+    all.push_back({.name = fmt::format("dq{}*q{}", j + 1, j + 1), .value = position, .factor = velocity});
+    all.push_back({.name = fmt::format("q{}*time", j + 1), .value = time, .factor = position});
+    all.push_back({.name = fmt::format("dq{}*time", j + 1), .value = time, .factor = velocity});
+  }
+  return all;
+}
+
+// Knots with equal numbers of samples between them.
+std::vector<double> knots(const Dataset& data, const Value& value) {
+  std::vector<double> samples;
+  for (const Series& series : data.series()) {
+    for (std::size_t i = 0; i < series.states.size(); ++i) {
+      samples.push_back(value(series, i));
+    }
+  }
+  std::vector<double> places;
+  for (int k = 0; k < kKnots; ++k) {
+    const double place = offline::quantile(samples, static_cast<double>(k) / (kKnots - 1));
+    if (places.empty() || place > places.back() + 1e-9) {
+      places.push_back(place);
+    }
+  }
+  return places;
+}
+
+// 1 at a knot, 0 at its neighbours.
+double hat(const std::vector<double>& knots, std::size_t k, double x) {
+  if (k > 0 && x < knots[k]) {
+    return std::max(0.0, (x - knots[k - 1]) / (knots[k] - knots[k - 1]));
+  }
+  if (k + 1 < knots.size() && x > knots[k]) {
+    return std::max(0.0, (knots[k + 1] - x) / (knots[k + 1] - knots[k]));
+  }
+  return 1.0;
+}
+
+Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
+  Atoms atoms;
+  std::vector<Eigen::VectorXd> columns;
+  for (const Variable& variable : variables) {
+    const std::vector<double> places = knots(data, variable.value);
+    if (places.size() < 3) {
+      continue;
+    }
+    std::vector<Eigen::VectorXd> functions;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      functions.push_back(data.variable([&](const Series& s, std::size_t i) {
+        return hat(places, k, variable.value(s, i)) * (variable.factor ? variable.factor(s, i) : 1.0);
+      }));
+    }
+    for (int joint = 0; joint < data.joints(); ++joint) {
+      atoms.items.push_back({.recipe = nullptr,
+                             .nu = {},
+                             .label = variable.name,
+                             .joint = joint,
+                             .first = static_cast<Eigen::Index>(columns.size()),
+                             .count = static_cast<Eigen::Index>(functions.size())});
+      for (const Eigen::VectorXd& function : functions) {
+        Eigen::VectorXd column = Eigen::VectorXd::Zero(data.rows() * data.joints());
+        column.segment(joint * data.rows(), data.rows()) = function;
+        columns.push_back(std::move(column));
+      }
+    }
+  }
+  atoms.columns.resize(data.rows() * data.joints(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    atoms.columns.col(static_cast<Eigen::Index>(k)) = columns[k];
+  }
+  return atoms;
+}
+
+// Slow accelerations on every joint. A person's push moves the leg, so a residual always goes with them to
+// some degree; and that is straight proportion, which the inertias mostly take up.
+Eigen::MatrixXd slowAccelerations(const Dataset& data) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * data.joints());
+  for (int of = 0; of < data.joints(); ++of) {
+    const Eigen::VectorXd slow =
+        data.variable([=](const Series& s, std::size_t i) { return s.slow_acceleration[i][of]; });
+    for (int on = 0; on < data.joints(); ++on) {
+      columns.col(of * data.joints() + on).segment(on * data.rows(), data.rows()) = slow;
+    }
+  }
+  return columns;
+}
+
+// Larger for what is less likely by chance.
+double surprise(double gain, int dimensions) {
+  if (dimensions == 0 || gain <= 0.0) {
+    return 0.0;
+  }
+  // Beyond this the tail has no digits left; the gain still orders.
+  constexpr double kLeast = 1e-280;
+  const double tail = boost::math::cdf(boost::math::complement(boost::math::chi_squared(dimensions), gain));
+  return tail > kLeast ? -std::log(tail) : -std::log(kLeast) + gain;
+}
+
+}  // namespace
+
+DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
+                              int replicates, double family_wise_p, std::uint64_t seed) {
+  const std::vector<Variable> all = variables(data, channels);
+  const Atoms atoms = functionAtoms(data, all);
+  const Screening screening(
+      data, fit, atoms.items, atoms.columns,
+      {.replicates = replicates, .seed = seed, .free_nominal = true, .nuisance = slowAccelerations(data)});
+  const std::vector<double> chance = screening.chance(surprise);
+  DependenceTest test;
+  std::vector<std::pair<double, Dependence>> ranked;
+  for (const Screened& screened : screening.results()) {
+    const Atom& atom = atoms.items[screened.atom];
+    const double value = surprise(screened.gain, screened.dimensions);
+    const double p_value = exceedance(chance, value);
+    test.smallest_p = std::min(test.smallest_p, p_value);
+    if (p_value >= family_wise_p) {
+      continue;
+    }
+    const double beyond_chance =
+        std::max(0.0, screened.gain - screened.dimensions) * screened.raw_gain / screened.gain;
+    const double share = beyond_chance / static_cast<double>(data.rows());
+    const double rms_Nm =
+        std::sqrt(fit.residual.segment(atom.joint * data.rows(), data.rows()).squaredNorm() /
+                  static_cast<double>(data.rows()));
+    ranked.push_back({value,
+                      {.joint = atom.joint,
+                       .variable = atom.label,
+                       .explained_Nm = rms_Nm * std::sqrt(std::min(1.0, share)),
+                       .p_value = p_value}});
+    test.largest_gain = std::max(test.largest_gain, screened.gain - screened.dimensions);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (auto& item : ranked) {
+    test.found.push_back(std::move(item.second));
+  }
+  return test;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,25 @@
+// What the residual of a fit depends on, whatever the shape: the evidence that something is missing which no
+// effect of the library explains.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/search.hpp"
+
+namespace patella::diagnose {
+
+struct DependenceTest {
+  std::vector<Dependence> found;  ///< those with a family-wise p below the level, strongest first
+  double largest_gain = 0.0;  ///< fall of −2 log-likelihood of the strongest, less what its dimensions cost
+  double smallest_p = 1.0;
+};
+
+/// Tests piecewise linear functions of each joint's position, velocity, acceleration, of EMG activation, time
+/// and of some products, for each joint's residual; family-wise over all of them by a bootstrap of the
+/// smallest p.
+DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
+                              int replicates, double family_wise_p, std::uint64_t seed);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,463 @@
+#include "tools/diagnose/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/consistency.hpp"
+#include "tools/diagnose/dependence.hpp"
+#include "tools/diagnose/drive_timing.hpp"
+#include "tools/diagnose/excitation.hpp"
+#include "tools/diagnose/plausibility.hpp"
+#include "tools/diagnose/selection.hpp"
+#include "tools/diagnose/simulation_error.hpp"
+#include "tools/diagnose/tremor_line.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kSimulationWindow_s = 0.5;
+/// Share of all that was explained which a smooth function may still find behind the named effects, before
+/// what was found is called unknown.
+constexpr double kUnknownShare = 0.05;
+
+std::vector<std::string> consideredKinds(const DiagnoseOptions& options) {
+  std::vector<std::string> kinds;
+  for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
+    kinds.emplace_back(descriptor->kind);
+  }
+  if (options.effects.empty()) {
+    return kinds;
+  }
+  for (const std::string& kind : options.effects) {
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+      throw std::invalid_argument(
+          fmt::format("effect kind '{}' is unknown, expected one of {}", kind, fmt::join(kinds, ", ")));
+    }
+  }
+  return options.effects;
+}
+
+std::vector<int> recordedChannels(std::span<const Recording> recordings) {
+  std::vector<int> channels;
+  for (int channel = 0; channel < kMaxEmgChannels; ++channel) {
+    const bool everywhere = std::all_of(recordings.begin(), recordings.end(), [channel](const Recording& r) {
+      const auto& values = r.activation[static_cast<std::size_t>(channel)];
+      return !values.empty() && *std::max_element(values.begin(), values.end()) > 0.0;
+    });
+    if (everywhere) {
+      channels.push_back(channel + 1);
+    }
+  }
+  return channels;
+}
+
+/// Below this a line in the spectrum counts as tremor.
+constexpr double kTremorP = 1e-6;
+
+std::string separatingMotion(std::string_view kind) {
+  const std::string_view variable = betrayingVariable(kind);
+  if (variable == "dq") {
+    return "runs at several steady speeds in both directions, with slow reversals";
+  }
+  if (variable == "tau") {
+    return "fast steps of torque against slow motion, so that the torque changes while position and velocity "
+           "hardly do";
+  }
+  if (variable == "ddq") {
+    return "the same path at two or three times the speed, so that acceleration no longer goes with position";
+  }
+  if (variable == "time") {
+    return "a longer recording, with the same motion at its beginning and at its end";
+  }
+  if (variable == "activation") {
+    return "the same motion with the muscles relaxed";
+  }
+  return "slow motion through the whole range, then the same path fast";
+}
+
+double rms(const Eigen::VectorXd& column, int joint, Eigen::Index rows) {
+  return std::sqrt(column.segment(joint * rows, rows).squaredNorm() / static_cast<double>(rows));
+}
+
+struct ResidualOf {
+  std::vector<double> rms;
+  std::vector<double> relative;
+  Column residual;
+};
+
+ResidualOf residualOf(const Dataset& data, const app::ModelDescription& model) {
+  model::DynamicsModel dynamics = app::makeModel(model);
+  const Column torque = data.driveTorque();
+  ResidualOf result{.rms = {}, .relative = {}, .residual = torque - data.modelTorque(dynamics)};
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    result.rms.push_back(rms(result.residual, joint, data.rows()));
+    result.relative.push_back(result.rms.back() / std::max(1e-12, rms(torque, joint, data.rows())));
+  }
+  return result;
+}
+
+ErrorMeasure errorMeasure(const Dataset& train, const std::optional<Dataset>& heldout,
+                          const app::ModelDescription& model) {
+  const ResidualOf fitted = residualOf(train, model);
+  ErrorMeasure measure{.train_rms_Nm = fitted.rms,
+                       .heldout_rms_Nm = {},
+                       .train_relative = fitted.relative,
+                       .heldout_relative = {},
+                       .simulation_rms_rad = {}};
+  if (heldout) {
+    const ResidualOf unseen = residualOf(*heldout, model);
+    measure.heldout_rms_Nm = unseen.rms;
+    measure.heldout_relative = unseen.relative;
+    if (!heldout->isStatic()) {
+      measure.simulation_rms_rad = simulationError(*heldout, model, kSimulationWindow_s);
+    }
+  }
+  return measure;
+}
+
+void appendCurves(const Dataset& data, const app::ModelDescription& before,
+                  const app::ModelDescription& after, bool heldout, std::vector<JointCurves>& curves) {
+  const Column first = residualOf(data, before).residual;
+  const Column second = residualOf(data, after).residual;
+  const Column torque = data.driveTorque();
+  curves.resize(static_cast<std::size_t>(data.joints()));
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    JointCurves& curve = curves[static_cast<std::size_t>(joint)];
+    const auto append = [&](std::vector<double>& to, const Eigen::VectorXd& values) {
+      to.insert(to.end(), values.begin(), values.end());
+    };
+    const auto part = [&](const Column& column) -> Eigen::VectorXd {
+      return column.segment(joint * data.rows(), data.rows());
+    };
+    append(curve.time_s, data.time_s());
+    append(curve.position_rad,
+           data.variable([=](const Series& s, std::size_t i) { return s.states[i].q[joint]; }));
+    append(curve.velocity_rad_s,
+           data.variable([=](const Series& s, std::size_t i) { return s.states[i].dq[joint]; }));
+    append(curve.acceleration_rad_s2,
+           data.variable([=](const Series& s, std::size_t i) { return s.acceleration[i][joint]; }));
+    append(curve.torque_Nm, part(torque));
+    append(curve.residual_before_Nm, part(first));
+    append(curve.residual_after_Nm, part(second));
+    curve.heldout.insert(curve.heldout.end(), static_cast<std::size_t>(data.rows()), heldout);
+  }
+}
+
+// One run of the procedure: holds what its stages share.
+class Procedure {
+ public:
+  Procedure(std::span<const Recording> recordings, std::span<const Recording> holdout,
+            const app::ModelDescription& model, const DiagnoseOptions& options)
+      : model_(model), options_(options), channels_(recordedChannels(recordings)) {
+    const SplitRecordings parts = split(recordings, holdout.empty() ? options.holdout_fraction : 0.0);
+    const DatasetOptions dataset_options{.band_Hz = motionBand_Hz(parts.train)};
+    train_.emplace(parts.train, dataset_options);
+    wide_.emplace(parts.train, DatasetOptions{});
+    if (!holdout.empty()) {
+      heldout_.emplace(holdout, dataset_options);
+    } else if (!parts.heldout.empty()) {
+      heldout_.emplace(parts.heldout, dataset_options);
+    }
+    result_.seed = options.seed;
+    if (std::holds_alternative<model::PrismaticJointParameters>(model.mechanism)) {
+      result_.torque_unit = "N";
+    }
+    result_.drive_timing = driveTiming(recordings);
+    for (const auto& list : {recordings, holdout}) {
+      for (const Recording& recording : list) {
+        result_.inputs.push_back({.path = recording.name, .sha256 = recording.sha256});
+        for (const std::string& warning : recording.warnings) {
+          result_.warnings.push_back(recording.name + ": " + warning);
+        }
+      }
+    }
+    for (const Recording& recording : recordings) {
+      names_.push_back(recording.name);
+    }
+    signals_ = jointSignals(recordings);
+    describeMotion(signals_, result_);
+  }
+
+  Diagnosis run() {
+    if (const std::string reason = obstacle(signals_, *train_, model_); !reason.empty()) {
+      return undecided(reason);
+    }
+    report("columns", 0.0);
+    ModelFitter fitter(*train_, model_, {.nominal_tolerance = options_.nominal_tolerance});
+    fitter.setRedundancy(redundancy(*train_, fitter.nominal(), options_.seed));
+    const ModelFit nominal = fitter.nominal();
+    const std::vector<std::string> kinds = consideredKinds(options_);
+    const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model_.mechanism);
+    auto considered = recipes(*train_, app::makeModel(model_).mechanism(), kinds, channels_, leg);
+    std::erase_if(considered, [this](const auto& recipe) {
+      return !signals_[static_cast<std::size_t>(recipe->joint)].moves;
+    });
+    const Atoms atoms = recipeAtoms(fitter, considered);
+
+    report("search", 0.0);
+    const Selection selection = select(fitter, atoms, nominal,
+                                       {.replicates = options_.bootstrap_replicates,
+                                        .family_wise_p = options_.family_wise_p,
+                                        .seed = options_.seed,
+                                        .progress = [this](double fraction) { report("search", fraction); }});
+    report("unexplained", 0.0);
+    const DependenceTest dependence =
+        testDependence(*train_, selection.fit, channels_, options_.bootstrap_replicates,
+                       options_.family_wise_p, options_.seed + 104729);
+    decide(fitter, nominal, selection, dependence);
+    compareRecordings(selection.fit);
+    judgeExcitation(signals_, *train_, selection.fit, atoms, options_.nominal_tolerance, result_);
+    report("errors", 0.0);
+    measure(fitter, nominal, selection);
+    if (result_.explanation.empty()) {
+      explain();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void report(std::string_view stage, double fraction) const {
+    if (options_.progress) {
+      options_.progress(stage, fraction);
+    }
+  }
+
+  void decide(ModelFitter& fitter, const ModelFit& nominal, const Selection& selection,
+              const DependenceTest& dependence) {
+    result_.steps = selection.steps;
+    result_.unexplained = dependence.found;
+    const Eigen::MatrixXd covariance =
+        parameterCovariance(*train_, selection.fit, options_.bootstrap_replicates, options_.seed + 15485863);
+    for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
+      const Term& term = selection.fit.terms[t];
+      if (term.declared) {
+        continue;
+      }
+      const Evidence& evidence = selection.evidence[t];
+      EffectFinding finding{.kind = term.recipe->kind,
+                            .joint = term.recipe->joint,
+                            .parameters = estimates(selection.fit, covariance, t),
+                            .p_value = evidence.p_value,
+                            .gain = 0.5 * evidence.gain,
+                            .indistinguishable_from = {},
+                            .separating_motion = {}};
+      for (const std::string& rival : evidence.rivals) {
+        const std::string own_joint = "@" + std::to_string(term.recipe->joint + 1);
+        finding.indistinguishable_from.push_back(
+            rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
+      }
+      addConfounds(finding);
+      result_.effects.push_back(std::move(finding));
+    }
+    addTremorLine(fitter.describe(selection.fit));
+    const double explained = selection.fit.weighting->objective(nominal.residual) -
+                             selection.fit.weighting->objective(selection.fit.residual);
+    const bool unexplained = !dependence.found.empty() &&
+                             dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain);
+    if (unexplained) {
+      result_.verdict = Verdict::kUnknownEffect;
+    } else if (!result_.effects.empty()) {
+      result_.verdict = Verdict::kEffectFound;
+    } else {
+      result_.verdict = Verdict::kNothingMissing;
+    }
+    for (std::size_t i = 0; i < fitter.mechanismNames().size(); ++i) {
+      const double value = fitter.mechanismValues()[i];
+      const double ratio = std::exp(selection.fit.mechanism[i]);
+      const auto row = static_cast<Eigen::Index>(i);
+      result_.nominal.push_back({.name = fitter.mechanismNames()[i],
+                                 .nominal = value,
+                                 .refitted = value * ratio,
+                                 .sd = value * ratio * std::sqrt(covariance(row, row))});
+    }
+  }
+
+  // Runs that contradict each other have no common answer.
+  void compareRecordings(const ModelFit& fit) {
+    const Contradictions found = contradictions(*train_, fit, names_);
+    if (found.what.empty()) {
+      return;
+    }
+    result_.verdict = Verdict::kUnknownEffect;
+    result_.explanation = "The recordings contradict each other: " + found.what.front() + ".";
+    result_.unexplained.insert(result_.unexplained.begin(), found.dependences.begin(),
+                               found.dependences.end());
+    result_.warnings.insert(result_.warnings.end(), found.what.begin(), found.what.end());
+  }
+
+  // Nothing was fitted: the model stays as it was given.
+  Diagnosis undecided(const std::string& reason) {
+    result_.verdict = Verdict::kInsufficientExcitation;
+    result_.explanation = reason;
+    result_.extended = model_;
+    result_.before = errorMeasure(*train_, heldout_, model_);
+    result_.refitted = result_.before;
+    result_.after = result_.before;
+    result_.noise_floor_Nm = result_.before.train_rms_Nm;
+    addCurves();
+    return std::move(result_);
+  }
+
+  // Equal by algebra, whatever the motion.
+  static void addConfounds(EffectFinding& finding) {
+    if (finding.kind == "asymmetric_friction") {
+      finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
+    }
+    if (!finding.indistinguishable_from.empty()) {
+      finding.separating_motion = separatingMotion(finding.kind);
+    }
+  }
+
+  // A tremor whose phase wanders is found by its line. The model cannot foresee it, so it is named and not
+  // added.
+  void addTremorLine(const app::ModelDescription& extended) {
+    const bool considered =
+        options_.effects.empty() ||
+        std::find(options_.effects.begin(), options_.effects.end(), "tremor") != options_.effects.end();
+    const bool known = std::any_of(result_.effects.begin(), result_.effects.end(),
+                                   [](const EffectFinding& effect) { return effect.kind == "tremor"; });
+    if (!considered || known || std::holds_alternative<model::PrismaticJointParameters>(model_.mechanism)) {
+      return;
+    }
+    const auto line = findTremorLine(*wide_, residualOf(*wide_, extended).residual, kTremorP);
+    if (!line) {
+      return;
+    }
+    const auto estimate = [](const char* name, double value, double sd) {
+      return ParameterEstimate{.name = name, .value = value, .ci95 = {value - 2.0 * sd, value + 2.0 * sd}};
+    };
+    result_.effects.push_back(
+        {.kind = "tremor",
+         .joint = line->joint,
+         .parameters = {estimate("amplitude_Nm", line->amplitude_Nm, line->amplitude_sd_Nm),
+                        estimate("frequency_Hz", line->frequency_Hz, line->frequency_sd_Hz)},
+         .p_value = line->p_value,
+         .gain = -0.5 * std::log(line->p_value),
+         .indistinguishable_from = {},
+         .separating_motion = {}});
+    result_.warnings.emplace_back(
+        "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");
+  }
+
+  // What does not hold on data that it was not fitted to is not added.
+  void keepOnlyWhatHolds() {
+    const auto total = [](const std::vector<double>& rms) {
+      return std::inner_product(rms.begin(), rms.end(), rms.begin(), 0.0);
+    };
+    if (!heldout_ || total(result_.after.heldout_rms_Nm) <= total(result_.before.heldout_rms_Nm)) {
+      return;
+    }
+    result_.extended = model_;
+    result_.after = result_.before;
+    if (!result_.effects.empty()) {
+      result_.effects.clear();
+      result_.verdict = Verdict::kUnknownEffect;
+      result_.explanation =
+          "What explained the first part of the recording makes the error of the held-out part larger; the "
+          "model is "
+          "left as it was.";
+    } else {
+      result_.warnings.emplace_back(
+          "refitted nominal parameters make the held-out error larger; the model is left as it was");
+    }
+  }
+
+  void explain() {
+    switch (result_.verdict) {
+      case Verdict::kEffectFound:
+        result_.explanation = "What was found explains the residual on the held-out part, too.";
+        break;
+      case Verdict::kNothingMissing: {
+        result_.explanation =
+            "After the nominal parameters were refitted, the residual is no more than noise.";
+        const auto moved =
+            std::find_if(result_.nominal.begin(), result_.nominal.end(), [this](const RefittedParameter& p) {
+              return std::abs(std::log(p.refitted / p.nominal)) > 2.0 * options_.nominal_tolerance;
+            });
+        if (moved != result_.nominal.end()) {
+          result_.explanation += fmt::format(
+              " It took {} from {:.4g} to {:.4g}, more than its tolerance: a payload, a rotor or a gain of "
+              "the "
+              "torque would look the same.",
+              moved->name, moved->nominal, moved->refitted);
+        }
+        break;
+      }
+      case Verdict::kUnknownEffect:
+        result_.explanation =
+            result_.unexplained.empty()
+                ? "Something is missing that no effect of the library explains."
+                : fmt::format(
+                      "Something is missing that no effect of the library explains: the residual of joint {} "
+                      "depends on {}.",
+                      result_.unexplained.front().joint + 1, result_.unexplained.front().variable);
+        break;
+      case Verdict::kInsufficientExcitation:
+        result_.explanation = "The motion is too poor to tell; see what could not be identified.";
+        break;
+    }
+  }
+
+  void measure(ModelFitter& fitter, const ModelFit& nominal, const Selection& selection) {
+    result_.extended = fitter.describe(selection.fit);
+    result_.before = errorMeasure(*train_, heldout_, model_);
+    result_.refitted = errorMeasure(*train_, heldout_, fitter.describe(nominal));
+    result_.after = errorMeasure(*train_, heldout_, result_.extended);
+    keepOnlyWhatHolds();
+    for (int joint = 0; joint < train_->joints(); ++joint) {
+      result_.noise_floor_Nm.push_back(rms(selection.fit.residual, joint, train_->rows()));
+    }
+    addCurves();
+  }
+
+  void addCurves() {
+    keepOnlyWhatHolds();
+    result_.simulation_window_s = kSimulationWindow_s;
+    result_.curves_rate_Hz = train_->rate_Hz();
+    appendCurves(*train_, model_, result_.extended, false, result_.curves);
+    if (heldout_) {
+      appendCurves(*heldout_, model_, result_.extended, true, result_.curves);
+    }
+  }
+
+  app::ModelDescription model_;
+  DiagnoseOptions options_;
+  std::vector<int> channels_;
+  std::vector<std::string> names_;  ///< of the recordings
+  std::vector<JointSignals> signals_;
+  std::optional<Dataset> train_;
+  std::optional<Dataset> wide_;  ///< the same, up to the highest frequency of a tremor
+  std::optional<Dataset> heldout_;
+  Diagnosis result_;
+};
+
+}  // namespace
+
+std::string_view verdictName(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::kEffectFound:
+      return "effect_found";
+    case Verdict::kNothingMissing:
+      return "nothing_missing";
+    case Verdict::kUnknownEffect:
+      return "unknown_effect";
+    case Verdict::kInsufficientExcitation:
+      return "insufficient_excitation";
+  }
+  return "";
+}
+
+Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Recording> holdout,
+                   const app::ModelDescription& model, const DiagnoseOptions& options) {
+  requirePlausible(recordings, model);
+  requirePlausible(holdout, model);
+  return Procedure(recordings, holdout, model, options).run();
+}
+
+}  // namespace patella::diagnose

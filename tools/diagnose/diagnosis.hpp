@@ -1,0 +1,134 @@
+// What a diagnosis found out: plain data, which the JSON file, the report and the console show.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware_app/files/model_file.hpp"
+
+namespace patella::diagnose {
+
+enum class Verdict {
+  kEffectFound,     ///< `effects` explain what the model lacked
+  kNothingMissing,  ///< the residual is within its noise, after the nominal parameters were refitted
+  kUnknownEffect,   ///< something is missing that no effect of the library explains; see `unexplained`
+  kInsufficientExcitation,  ///< the motion is too poor to tell; see `excitation`
+};
+
+/// "effect_found" …
+std::string_view verdictName(Verdict verdict) noexcept;
+
+struct ParameterEstimate {
+  std::string name;  ///< with its unit, as in model files
+  double value = 0.0;
+  std::array<double, 2> ci95{};
+};
+
+struct EffectFinding {
+  std::string kind;
+  int joint = 0;  ///< from 0
+  std::vector<ParameterEstimate> parameters;
+  double p_value = 1.0;  ///< family-wise, from the parametric bootstrap
+  double gain = 0.0;     ///< log-likelihood that is lost without it, nats
+  /// Kinds, or sums "kind+kind", that the recording cannot tell from this one; with "@2" where on another
+  /// joint.
+  std::vector<std::string> indistinguishable_from;
+  std::string separating_motion;  ///< what would tell them apart; empty where nothing needs it
+};
+
+/// Errors of the inverse dynamics (torque, N·m; N for a prismatic joint), per joint.
+struct ErrorMeasure {
+  std::vector<double> train_rms_Nm;
+  std::vector<double> heldout_rms_Nm;
+  std::vector<double> train_relative;  ///< ‖residual‖ / ‖torque‖ in the analysis band
+  std::vector<double> heldout_relative;
+  std::vector<double> simulation_rms_rad;  ///< forward simulation from measured states, held-out data
+};
+
+/// One bar of the ranking: what adding this candidate next would have bought.
+struct CandidateScore {
+  std::string label;       ///< "coulomb_friction@1"
+  double gain = 0.0;       ///< log-likelihood gain, nats
+  double threshold = 0.0;  ///< gain that chance alone reaches with the family-wise probability allowed
+  bool accepted = false;
+  std::string refused_because;  ///< gate that it failed: "sign", "bic", "cross-validation", "stability", …
+};
+
+struct SelectionStep {
+  std::vector<CandidateScore> ranking;  ///< best first
+  std::string accepted;                 ///< label, or empty where the search ended here
+  double p_value = 1.0;
+};
+
+struct Excitation {
+  std::vector<double> position_range_rad;  ///< per joint
+  std::vector<double> velocity_rms_rad_s;
+  std::vector<std::string> identifiable;  ///< "coulomb_friction@1", "nominal I2 + m2 lc2²" …
+  std::vector<std::string> not_identifiable;
+};
+
+/// What the remaining residual depends on, strongest first.
+struct Dependence {
+  int joint = 0;              ///< whose residual
+  std::string variable;       ///< "dq1", "q2", "ddq1", "tau1", "time", "ddq1*q2", …
+  double explained_Nm = 0.0;  ///< rms of what a smooth function of the variable explains
+  double p_value = 1.0;
+};
+
+struct RefittedParameter {
+  std::string name;
+  double nominal = 0.0;
+  double refitted = 0.0;
+  double sd = 0.0;
+};
+
+/// Curves for the pictures, in the analysis band and at its rate.
+struct JointCurves {
+  std::vector<double> time_s;
+  std::vector<double> position_rad, velocity_rad_s, acceleration_rad_s2, torque_Nm;
+  std::vector<double> residual_before_Nm, residual_after_Nm;
+  /// Per EMG channel; empty where the recordings have none.
+  std::array<std::vector<double>, kMaxEmgChannels> activation;
+  std::vector<bool> heldout;
+};
+
+struct InputFile {
+  std::string path;
+  std::string sha256;
+};
+
+struct DriveTiming {
+  int joint = 0;
+  double delay_s = 0.0;
+  double lag_s = 0.0;
+  double relative_error_before = 0.0;
+  double relative_error_after = 0.0;
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::kNothingMissing;
+  std::string explanation;  ///< one or two sentences for people
+  std::vector<EffectFinding> effects;
+  ErrorMeasure before;    ///< the model as given
+  ErrorMeasure refitted;  ///< its nominal parameters refitted, nothing added
+  ErrorMeasure after;     ///< with what was found
+  std::vector<double> noise_floor_Nm;
+  double simulation_window_s = 0.0;
+  Excitation excitation;
+  std::vector<Dependence> unexplained;
+  std::vector<RefittedParameter> nominal;
+  std::vector<DriveTiming> drive_timing;  ///< where commanded and measured torque were both recorded
+  std::vector<SelectionStep> steps;
+  std::vector<std::string> warnings;
+  std::vector<JointCurves> curves;
+  double curves_rate_Hz = 0.0;
+  std::uint64_t seed = 0;
+  std::vector<InputFile> inputs;
+  app::ModelDescription extended;  ///< what model.extended.toml holds
+  std::string torque_unit = "N·m";
+};
+
+}  // namespace patella::diagnose

@@ -1,0 +1,21 @@
+// Questions that a larger model must answer before it is believed, both fits linearised at their optimum.
+#pragma once
+
+#include <cstdint>
+
+#include "tools/diagnose/model_fit.hpp"
+
+namespace patella::diagnose {
+
+/// Blocked cross-validation: mean and standard error over blocks of the fall in squared whitened error on the
+/// block that a fit has not seen.
+struct CrossValidation {
+  double gain = 0.0;
+  double standard_error = 0.0;
+};
+CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger);
+
+/// Share of block bootstraps in which the larger model gains more than `cost`.
+double stability(const ModelFit& smaller, const ModelFit& larger, double cost, std::uint64_t seed);
+
+}  // namespace patella::diagnose

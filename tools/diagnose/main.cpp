@@ -1,0 +1,214 @@
+// patella-diagnose: which effect a model lacks, from recordings of the real thing.
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/model/effect.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/model_file.hpp"
+#include "firmware_app/files/wording.hpp"
+#include "tools/diagnose/answer.hpp"
+#include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/diagnosis_json.hpp"
+#include "tools/diagnose/diagnosis_report.hpp"
+#include "tools/diagnose/parameter_text.hpp"
+#include "tools/diagnose/recording_file.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace patella;
+using namespace patella::diagnose;
+
+/// With fewer, no effect could stand out from chance at 0.5 %, however strong.
+constexpr int kFewestReplicates = 299;
+
+struct Arguments {
+  fs::path model;
+  std::vector<fs::path> data;
+  std::vector<fs::path> holdout;
+  fs::path out;
+  std::vector<std::string> effects{"all"};
+  std::string torque_timing;
+  RecordingOptions recording;
+  DiagnoseOptions options;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
+  app.add_option("--model", a.model, "model file that lacks something")->required();
+  app.add_option("--data", a.data, "run folders of the loop, CSV files or logs of frames; diagnosed together")
+      ->required();
+  app.add_option("--out", a.out, "folder for report.html, diagnosis.json and model.extended.toml")
+      ->required();
+  app.add_option("--columns", a.recording.columns,
+                 "map of the columns of a CSV that names them its own way, TOML");
+  app.add_option("--dbc", a.recording.dbc, "bus description of logs of frames");
+  app.add_option("--bus-map", a.recording.bus_map,
+                 "which signal is which input; the loop's own unless given");
+  app.add_option("--torque", a.torque_timing,
+                 "held: until the next sample; sampled: what acted at the sample; as the form of the file "
+                 "says unless "
+                 "given")
+      ->check(CLI::IsMember({"held", "sampled"}));
+  auto* holdout =
+      app.add_option("--holdout", a.holdout, "recordings to judge the result by, in place of a part of DATA");
+  app.add_option("--holdout-fraction", a.options.holdout_fraction,
+                 "last part of each recording that judges the result")
+      ->check(CLI::Range(0.05, 0.8))
+      ->excludes(holdout)
+      ->capture_default_str();
+  app.add_option("--effects", a.effects, "kinds to consider, separated by commas, or all")->delimiter(',');
+  app.add_option("--seed", a.options.seed, "of everything that is drawn by lot")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--replicates", a.options.bootstrap_replicates,
+                 "of the bootstrap that tells effects from chance")
+      ->check(CLI::Range(kFewestReplicates, 100000))
+      ->capture_default_str();
+  app.add_option("--nominal-tolerance", a.options.nominal_tolerance,
+                 "standard deviation, relative, by which masses, centres of mass and inertias may be wrong")
+      ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str();
+}
+
+std::vector<std::string> chosenKinds(const std::vector<std::string>& effects) {
+  if (effects == std::vector<std::string>{"all"}) {
+    return {};
+  }
+  std::vector<std::string> known;
+  for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
+    known.emplace_back(descriptor->kind);
+  }
+  for (const std::string& kind : effects) {
+    if (std::find(known.begin(), known.end(), kind) == known.end()) {
+      throw std::invalid_argument(fmt::format("--effects: value '{}', expected all or some of {}{}", kind,
+                                              fmt::join(known, ","), app::suggestion(kind, known)));
+    }
+  }
+  return effects;
+}
+
+std::vector<Recording> loadAll(const std::vector<fs::path>& paths, const RecordingOptions& options,
+                               ProgressLine& progress) {
+  std::vector<Recording> recordings;
+  for (const fs::path& path : paths) {
+    progress.at("reading " + path.string(),
+                static_cast<double>(recordings.size()) / static_cast<double>(paths.size()));
+    recordings.push_back(loadRecording(path, options));
+  }
+  return recordings;
+}
+
+std::string heading(const Arguments& arguments, const Diagnosis& diagnosis) {
+  std::string text =
+      fmt::format("{} with what patella-diagnose {} found it to lack ({}), from\n",
+                  arguments.model.filename().string(), PATELLA_VERSION, verdictName(diagnosis.verdict));
+  for (const InputFile& input : diagnosis.inputs) {
+    text += fmt::format("  {} (SHA-256 {})\n", input.path, input.sha256);
+  }
+  text += fmt::format("with seed {}.", diagnosis.seed);
+  for (const EffectFinding& effect : diagnosis.effects) {
+    for (const ParameterEstimate& estimate : effect.parameters) {
+      text += fmt::format("\n{}: {}", effectWords(effect), estimateText(estimate, unitsOf(diagnosis)));
+    }
+  }
+  return text;
+}
+
+/// A folder for results, made if need be, and taken away again if they do not come.
+class ResultFolder {
+ public:
+  explicit ResultFolder(const fs::path& path) : path_(path) {
+    for (fs::path missing = fs::absolute(path).lexically_normal(); !fs::exists(missing);
+         missing = missing.parent_path()) {
+      made_.push_back(missing);
+    }
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error || !fs::is_directory(path)) {
+      throw app::FileError(path.string() +
+                           ": cannot be a folder for results: " + (error ? error.message() : "it is a file"));
+    }
+  }
+  ~ResultFolder() {
+    for (const fs::path& folder : made_) {
+      std::error_code ignored;
+      fs::remove(folder, ignored);
+    }
+  }
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+  /// Writes all files or none that is incomplete.
+  void write(const std::vector<std::pair<const char*, std::string>>& files) {
+    std::vector<std::unique_ptr<app::AtomicFile>> open;
+    for (const auto& [name, text] : files) {
+      open.push_back(std::make_unique<app::AtomicFile>(path_ / name));
+      open.back()->write(text);
+    }
+    for (const auto& file : open) {
+      file->commit();
+    }
+    made_.clear();
+  }
+
+ private:
+  fs::path path_;
+  std::vector<fs::path> made_;  ///< innermost first
+};
+
+void run(Arguments& a) {
+  a.options.effects = chosenKinds(a.effects);
+  if (!a.torque_timing.empty()) {
+    a.recording.torque_timing = a.torque_timing == "held" ? TorqueTiming::kHeld : TorqueTiming::kSampled;
+  }
+  const app::ModelDescription model = app::loadModel(a.model);
+  a.recording.joints = model.joints();
+  ResultFolder folder(a.out);
+  ProgressLine progress(std::cerr, isatty(STDERR_FILENO) == 1);
+  const std::vector<Recording> recordings = loadAll(a.data, a.recording, progress);
+  const std::vector<Recording> holdout = loadAll(a.holdout, a.recording, progress);
+  a.options.progress = [&](std::string_view stage, double fraction) { progress.at(stage, fraction); };
+  const Diagnosis diagnosis = diagnose::diagnose(recordings, holdout, model, a.options);
+  progress.at("drawing", 0.0);
+  folder.write({{"model.extended.toml", app::modelText(diagnosis.extended, heading(a, diagnosis))},
+                {"diagnosis.json", diagnosisText(diagnosis)},
+                {"report.html", diagnosisPage(diagnosis)}});
+  progress.clear();
+  printAnswer(diagnosis, a.out, std::cout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  CLI::App app(
+      "Finds the physical effect that a model lacks, with its parameters and how sure they are, from "
+      "recordings of "
+      "motion and torque.",
+      "patella-diagnose");
+  Arguments arguments;
+  declare(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "patella-diagnose: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,359 @@
+#include "tools/diagnose/model_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/Dense>
+#include <ceres/ceres.h>
+#include <fmt/format.h>
+
+#include "tools/diagnose/declared.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Bases kept before the store is emptied: those of a search and of one fit have room in it.
+constexpr std::size_t kCachedBases = 4000;
+/// A nominal parameter is never moved by more than this factor, whatever the data say.
+constexpr double kLargestLogarithm = 1.5;
+constexpr double kRelativeStep = 1e-4;
+constexpr int kIterations = 25;
+constexpr double kNearBound = 0.02;
+
+struct PhysicalParameter {
+  std::string name;
+  double* value;
+};
+
+std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism) {
+  std::vector<PhysicalParameter> all;
+  if (auto* leg = std::get_if<model::PlanarTwoLinkParameters>(&mechanism)) {
+    for (std::size_t link = 0; link < 2; ++link) {
+      const std::string index = fmt::format("[{}]", link + 1);
+      all.push_back({"mass_kg" + index, &leg->mass_kg[link]});
+      all.push_back({"com_m" + index, &leg->com_m[link]});
+      all.push_back({"inertia_kg_m2" + index, &leg->inertia_kg_m2[link]});
+    }
+  } else if (auto* joint = std::get_if<model::RevoluteJointParameters>(&mechanism)) {
+    all.push_back({"inertia_kg_m2", &joint->inertia_kg_m2});
+    all.push_back({"moment_kg_m", &joint->moment_kg_m});
+  } else {
+    all.push_back({"mass_kg", &std::get<model::PrismaticJointParameters>(mechanism).mass_kg});
+  }
+  std::erase_if(all, [](const PhysicalParameter& item) { return *item.value == 0.0; });
+  return all;
+}
+
+model::BaseParameters baseParameters(const app::MechanismDescription& mechanism) {
+  return app::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
+}
+
+std::string cacheKey(const Recipe& recipe, std::span<const double> nu) {
+  std::string key = recipe.label() + recipe.variant;
+  for (const double value : nu) {
+    key += fmt::format(" {}", value);
+  }
+  return key;
+}
+
+Eigen::VectorXd weighted(const Eigen::MatrixXd& basis, std::span<const double> c) {
+  if (c.empty()) {
+    return basis.col(0);
+  }
+  return basis * Eigen::Map<const Eigen::VectorXd>(c.data(), static_cast<Eigen::Index>(c.size()));
+}
+
+}  // namespace
+
+// Parameters in one block: mechanism, then c and ν of each term. Residuals: whitened torque, then priors.
+class ModelFitter::Cost final : public ceres::CostFunction {
+ public:
+  Cost(ModelFitter& fitter, const ModelFit& layout, const Weighting& weighting)
+      : fitter_(fitter), layout_(layout), weighting_(weighting), priors_(layout.prior_weight.size()) {
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(priors_));
+    set_num_residuals(static_cast<int>(weighting.rows() * fitter.data_->joints() + priors_));
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    ModelFit at = layout_;
+    scatter(std::span(parameters[0], static_cast<std::size_t>(priors_)), at);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      fitter_.linearise(at);
+      const Eigen::MatrixXd slope = weighting_.apply(at.tangent);
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(
+          jacobians[0], slope.rows() + priors_, priors_);
+      jacobian.topRows(slope.rows()) = -slope;
+      jacobian.bottomRows(priors_) = layout_.prior_weight.asDiagonal();
+    } else {
+      at.residual = fitter_.unexplained(at);
+    }
+    const Eigen::VectorXd white = weighting_.apply(at.residual);
+    Eigen::Map<Eigen::VectorXd> out(residuals, white.size() + priors_);
+    out.head(white.size()) = white;
+    out.tail(priors_) = priorResiduals(at);
+    return true;
+  }
+
+  static std::vector<double> gather(const ModelFit& fit) {
+    std::vector<double> all = fit.mechanism;
+    for (const Term& term : fit.terms) {
+      all.insert(all.end(), term.c.begin(), term.c.end());
+      all.insert(all.end(), term.nu.begin(), term.nu.end());
+    }
+    return all;
+  }
+
+  static void scatter(std::span<const double> all, ModelFit& fit) {
+    std::size_t at = 0;
+    const auto take = [&](std::vector<double>& values) {
+      for (double& value : values) {
+        value = all[at++];
+      }
+    };
+    take(fit.mechanism);
+    for (Term& term : fit.terms) {
+      take(term.c);
+      take(term.nu);
+    }
+  }
+
+  static Eigen::VectorXd priorResiduals(const ModelFit& fit) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(fit.prior_weight.size());
+    for (std::size_t i = 0; i < fit.mechanism.size(); ++i) {
+      values[static_cast<Eigen::Index>(i)] = fit.mechanism[i];
+    }
+    for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+      for (std::size_t i = 0; i < fit.terms[t].prior_c.size(); ++i) {
+        values[fit.offset[t] + static_cast<Eigen::Index>(i)] = fit.terms[t].c[i] - fit.terms[t].prior_c[i];
+      }
+    }
+    return values.cwiseProduct(fit.prior_weight);
+  }
+
+ private:
+  ModelFitter& fitter_;
+  const ModelFit& layout_;
+  const Weighting& weighting_;
+  Eigen::Index priors_;
+};
+
+ModelFitter::ModelFitter(const Dataset& data, const app::ModelDescription& nominal, const FitOptions& options)
+    : data_(&data), nominal_(nominal), options_(options) {
+  app::MechanismDescription mechanism = nominal.mechanism;
+  for (const PhysicalParameter& parameter : physicalParameters(mechanism)) {
+    names_.push_back(parameter.name);
+    values_.push_back(*parameter.value);
+  }
+  const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal.mechanism, .effects = {}});
+  const std::vector<Column> columns = data.regressor(dynamics.mechanism());
+  regressor_.resize(columns.front().size(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    regressor_.col(static_cast<Eigen::Index>(k)) = columns[k];
+  }
+  torque_ = data.driveTorque();
+  fixed_torque_ = Eigen::VectorXd::Zero(torque_.size());
+  addDeclared(nominal);
+  model::DynamicsModel whole = app::makeModel(nominal);
+  nominal_torque_ = data.modelTorque(whole);
+}
+
+Eigen::VectorXd ModelFitter::unexplained(const ModelFit& fit) {
+  Eigen::VectorXd rest = torque_ - fixed_torque_ - mechanismTorque(fit.mechanism);
+  for (const Term& term : fit.terms) {
+    rest -= weighted(basis(*term.recipe, term.nu), term.c);
+  }
+  return rest;
+}
+
+void ModelFitter::addDeclared(const app::ModelDescription& nominal) {
+  for (const app::EffectDescription& effect : nominal.effects) {
+    if (auto recipe = declaredRecipe(effect)) {
+      const std::vector<double> ones(recipe->coefficients(), 1.0);
+      declared_.push_back(
+          {.recipe = std::move(recipe), .c = ones, .nu = {}, .declared = true, .prior_c = ones});
+    } else {
+      fixed_.push_back(effect);
+      model::DynamicsModel whole = app::makeModel({.mechanism = nominal.mechanism, .effects = {effect}});
+      model::DynamicsModel bare = app::makeModel({.mechanism = nominal.mechanism, .effects = {}});
+      fixed_torque_ += data_->modelTorque(whole) - data_->modelTorque(bare);
+    }
+  }
+}
+
+app::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logarithms) const {
+  app::MechanismDescription mechanism = nominal_.mechanism;
+  const std::vector<PhysicalParameter> parameters = physicalParameters(mechanism);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    *parameters[i].value *= std::exp(logarithms[i]);
+  }
+  return mechanism;
+}
+
+Eigen::VectorXd ModelFitter::mechanismTorque(std::span<const double> logarithms) const {
+  return regressor_ * baseParameters(mechanismAt(logarithms));
+}
+
+Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double> nu) {
+  const std::string key = cacheKey(recipe, nu);
+  if (const auto found = cache_.find(key); found != cache_.end()) {
+    return found->second;
+  }
+  if (cache_.size() > kCachedBases) {
+    cache_.clear();
+  }
+  if (recipe.kind == "torque_gain") {
+    // In proportion to the torque that the nominal model asks for. The recorded one holds the noise that a
+    // fit is to leave, and whatever is missing: a gain of −1 would explain them all.
+    const Eigen::Index rows = data_->rows();
+    Eigen::MatrixXd column = Eigen::MatrixXd::Zero(torque_.size(), 1);
+    column.col(0).segment(recipe.joint * rows, rows) = -nominal_torque_.segment(recipe.joint * rows, rows);
+    return column;
+  }
+  const auto bases = recipe.basis(nu);
+  const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));
+  for (std::size_t i = 0; i < bases.size(); ++i) {
+    for (const BasisTerm& term : bases[i]) {
+      const auto effect = model::makeEffect(recipe.kind, recipe.joint, dynamics.mechanism(), term.parameters);
+      columns.col(static_cast<Eigen::Index>(i)) += term.weight * data_->effectTorque(*effect);
+    }
+  }
+  cache_.emplace(key, columns);
+  return columns;
+}
+
+// Residual and derivatives by every free parameter at the fit's present values.
+void ModelFitter::linearise(ModelFit& fit) {
+  fit.residual = unexplained(fit);
+  fit.tangent.resize(torque_.size(), fit.prior_weight.size());
+  const auto mechanisms = static_cast<Eigen::Index>(fit.mechanism.size());
+  const model::BaseParameters base = baseParameters(mechanismAt(fit.mechanism));
+  for (Eigen::Index i = 0; i < mechanisms; ++i) {
+    std::vector<double> moved = fit.mechanism;
+    moved[static_cast<std::size_t>(i)] += kRelativeStep;
+    const model::BaseParameters slope = (baseParameters(mechanismAt(moved)) - base) / kRelativeStep;
+    fit.tangent.col(i) = regressor_ * slope;
+  }
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
+    const Eigen::MatrixXd columns = basis(*term.recipe, term.nu);
+    const Eigen::VectorXd value = weighted(columns, term.c);
+    const auto coefficients = static_cast<Eigen::Index>(term.c.size());
+    fit.tangent.middleCols(fit.offset[t], coefficients) = columns.leftCols(coefficients);
+    for (std::size_t k = 0; k < term.nu.size(); ++k) {
+      const NonlinearParameter& range = term.recipe->nonlinear[k];
+      std::vector<double> moved = term.nu;
+      const double step = 1e-3 * (range.upper - range.lower);
+      moved[k] += moved[k] + step > range.upper ? -step : step;
+      fit.tangent.col(fit.offset[t] + coefficients + static_cast<Eigen::Index>(k)) =
+          (weighted(basis(*term.recipe, moved), term.c) - value) / (moved[k] - term.nu[k]);
+    }
+  }
+}
+
+void ModelFitter::solve(ModelFit& fit, const Weighting& weighting) {
+  std::vector<double> parameters = Cost::gather(fit);
+  ceres::Problem::Options problem_options;
+  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  Cost cost(*this, fit, weighting);
+  ceres::Problem problem(problem_options);
+  problem.AddResidualBlock(&cost, nullptr, parameters.data());
+  const auto bound = [&](Eigen::Index index, double lower, double upper) {
+    problem.SetParameterLowerBound(parameters.data(), static_cast<int>(index), lower);
+    problem.SetParameterUpperBound(parameters.data(), static_cast<int>(index), upper);
+    double& value = parameters[static_cast<std::size_t>(index)];
+    value = std::clamp(value, lower, upper);
+  };
+  for (std::size_t i = 0; i < fit.mechanism.size(); ++i) {
+    bound(static_cast<Eigen::Index>(i), -kLargestLogarithm, kLargestLogarithm);
+  }
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Recipe& recipe = *fit.terms[t].recipe;
+    Eigen::Index index = fit.offset[t];
+    for (std::size_t i = 0; i < fit.terms[t].c.size(); ++i) {
+      bound(index++, recipe.nonnegative[i] ? 0.0 : -recipe.largest, recipe.largest);
+    }
+    for (std::size_t k = 0; k < fit.terms[t].nu.size(); ++k) {
+      bound(index++, recipe.nonlinear[k].lower, recipe.nonlinear[k].upper);
+    }
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = kIterations;
+  options.function_tolerance = 1e-7;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  Cost::scatter(parameters, fit);
+}
+
+ModelFit ModelFitter::nominal() {
+  ModelFit start;
+  start.mechanism.assign(values_.size(), 0.0);
+  start.terms = declared_;
+  const Weighting weighting(*data_, unexplained(start));
+  const ModelFit first = fit(std::move(start), weighting);
+  return fit(first, Weighting(*data_, first.residual));
+}
+
+ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
+  ModelFit fit = std::move(start);
+  fit.offset.clear();
+  auto count = static_cast<Eigen::Index>(fit.mechanism.size());
+  for (const Term& term : fit.terms) {
+    fit.offset.push_back(count);
+    count += static_cast<Eigen::Index>(term.c.size() + term.nu.size());
+  }
+  fit.prior_weight = Eigen::VectorXd::Zero(count);
+  fit.prior_weight.head(static_cast<Eigen::Index>(fit.mechanism.size()))
+      .setConstant(1.0 / options_.nominal_tolerance);
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    fit.prior_weight.segment(fit.offset[t], static_cast<Eigen::Index>(fit.terms[t].prior_c.size()))
+        .setConstant(1.0 / options_.declared_tolerance);
+  }
+  fit.prior_scale = prior_scale_;
+  fit.prior_weight *= prior_scale_;
+  auto scaled = std::make_shared<const Weighting>(weighting);
+  for (int round = 0; round < options_.rounds; ++round) {
+    solve(fit, *scaled);
+    linearise(fit);
+    scaled = std::make_shared<const Weighting>(weighting.rescaled(fit.residual));
+  }
+  fit.weighting = scaled;
+  fit.prior_residual = -Cost::priorResiduals(fit);
+  fit.objective = scaled->objective(fit.residual) + fit.prior_residual.squaredNorm();
+  fit.at_bound.clear();
+  for (const Term& term : fit.terms) {
+    const Recipe& recipe = *term.recipe;
+    bool edge = false;
+    for (std::size_t i = 0; i < term.c.size(); ++i) {
+      edge = edge || (recipe.nonnegative[i] && term.c[i] <= 1e-12) || std::abs(term.c[i]) >= recipe.largest;
+    }
+    for (std::size_t k = 0; k < term.nu.size(); ++k) {
+      const double width = recipe.nonlinear[k].upper - recipe.nonlinear[k].lower;
+      edge = edge || term.nu[k] > recipe.nonlinear[k].upper - kNearBound * width;
+    }
+    if (edge && !term.declared) {
+      fit.at_bound.push_back(recipe.label());
+    }
+  }
+  return fit;
+}
+
+std::vector<double> ModelFitter::effectParameters(const Term& term) {
+  return term.recipe->parameters(term.c, term.nu);
+}
+
+app::ModelDescription ModelFitter::describe(const ModelFit& fit) const {
+  app::ModelDescription description{.mechanism = mechanismAt(fit.mechanism), .effects = fixed_};
+  for (const Term& term : fit.terms) {
+    description.effects.push_back(
+        {.kind = term.recipe->kind, .joint = term.recipe->joint, .parameters = effectParameters(term)});
+  }
+  return description;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,102 @@
+// Fits a model to a dataset: nominal parameters within their tolerance, declared effects within theirs, found
+// effects within physics, all at once and weighted by the noise (generalised least squares).
+#pragma once
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/noise_model.hpp"
+#include "tools/diagnose/recipe.hpp"
+
+namespace patella::diagnose {
+
+/// An effect in the fit.
+struct Term {
+  std::shared_ptr<const Recipe> recipe;
+  std::vector<double> c;
+  std::vector<double> nu;
+  bool declared = false;        ///< part of the model that was given: held near its values
+  std::vector<double> prior_c;  ///< those values
+};
+
+/// A set of effects with their estimates, and how well it explains the data.
+struct ModelFit {
+  std::vector<double> mechanism;  ///< logarithms of the ratios to the nominal physical parameters
+  std::vector<Term> terms;
+  double objective = 0.0;  ///< under `weighting`; comparable between fits of the same weighting
+  std::shared_ptr<const Weighting> weighting;  ///< scaled to this fit's own residual
+  Eigen::VectorXd residual;                    ///< torque that is left, as a Column
+  Eigen::MatrixXd tangent;  ///< derivatives of the explained torque by every free parameter, as Columns
+  /// Of each parameter: 1 / standard deviation, times `prior_scale`; 0 where nothing is known.
+  Eigen::VectorXd prior_weight;
+  double prior_scale = 1.0;
+  Eigen::VectorXd prior_residual;  ///< weighted distance from what is known to each parameter
+  /// Where the terms' parameters start in that order: mechanism first, then c and ν of each term.
+  std::vector<Eigen::Index> offset;
+  std::vector<std::string> at_bound;  ///< labels of terms with a parameter at the edge of what physics allows
+};
+
+struct FitOptions {
+  double nominal_tolerance = 0.10;
+  double declared_tolerance = 0.20;
+  int rounds = 2;  ///< estimates of the noise's scale and of the parameters in turn
+};
+
+class ModelFitter {
+ public:
+  /// The dataset must outlive it.
+  ModelFitter(const Dataset& data, const app::ModelDescription& nominal, const FitOptions& options);
+
+  const Dataset& data() const noexcept { return *data_; }
+  /// The model as given, refitted within its tolerances.
+  ModelFit nominal();
+  /// Rows that follow each other closely say less than their number. Squared errors count `redundancy` times
+  /// too much, so what is known beforehand has to count as often to keep its weight.
+  void setRedundancy(double redundancy) noexcept { prior_scale_ = std::sqrt(redundancy); }
+
+  /// Fits the terms anew from their present values.
+  ModelFit fit(ModelFit start, const Weighting& weighting);
+
+  /// Basis of a recipe as Columns.
+  Eigen::MatrixXd basis(const Recipe& recipe, std::span<const double> nu);
+  /// What the files call this fit.
+  app::ModelDescription describe(const ModelFit& fit) const;
+  static std::vector<double> effectParameters(const Term& term);
+
+  /// Names and nominal values of the mechanism's parameters, in the order of ModelFit::mechanism.
+  const std::vector<std::string>& mechanismNames() const noexcept { return names_; }
+  const std::vector<double>& mechanismValues() const noexcept { return values_; }
+
+ private:
+  class Cost;
+  app::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
+  Eigen::VectorXd mechanismTorque(std::span<const double> logarithms) const;
+  Eigen::VectorXd unexplained(const ModelFit& fit);
+  void solve(ModelFit& fit, const Weighting& weighting);
+  void linearise(ModelFit& fit);
+  void addDeclared(const app::ModelDescription& nominal);
+
+  const Dataset* data_;
+  app::ModelDescription nominal_;
+  FitOptions options_;
+  std::vector<std::string> names_;
+  std::vector<double> values_;
+  std::unique_ptr<model::Mechanism> mechanism_;  ///< nominal; effects that need one use it
+  Eigen::MatrixXd regressor_;
+  Eigen::VectorXd torque_;
+  Eigen::VectorXd nominal_torque_;
+  Eigen::VectorXd fixed_torque_;  ///< of declared effects that have no free coefficient
+  std::vector<Term> declared_;
+  double prior_scale_ = 1.0;
+  std::vector<app::EffectDescription> fixed_;  ///< declared effects that are kept as they are
+  std::map<std::string, Eigen::MatrixXd> cache_;
+};
+
+}  // namespace patella::diagnose

@@ -1,0 +1,59 @@
+// How a fit moves through the parameters of an effect: which of them enter linearly, where to look for the
+// others, and what it takes for a value to make physical sense.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/diagnose/dataset.hpp"
+
+namespace patella::diagnose {
+
+/// A weight and the effect parameters that it multiplies.
+struct BasisTerm {
+  double weight = 1.0;
+  std::vector<double> parameters;
+};
+
+struct NonlinearParameter {
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// torque(c, ν) = Σ c_i basis_i(ν); an effect without coefficients has one basis that counts once.
+struct Recipe {
+  std::string kind;
+  int joint = 0;
+  std::string variant;  ///< tells recipes of one kind apart: "direction −1", "viscous only"; mostly empty
+  /// One per coefficient: true where physics allows no negative value.
+  std::vector<bool> nonnegative;
+  double largest = 1e30;  ///< of a coefficient, either sign
+  std::vector<NonlinearParameter> nonlinear;
+  std::vector<std::vector<double>>
+      grid;  ///< points ν at which the search looks; one empty point where ν is empty
+  /// Parameters of the effect, in the order of its descriptor.
+  std::function<std::vector<double>(std::span<const double> c, std::span<const double> nu)> parameters;
+  std::function<std::vector<std::vector<BasisTerm>>(std::span<const double> nu)> basis;
+  /// Kinds whose torque is a special case of this one: they are replaced, not added to.
+  std::vector<std::string> contains;
+  /// The torque is nearly proportional to ν[0], so that a first estimate follows from any point of the grid.
+  bool proportional = false;
+
+  std::size_t coefficients() const noexcept { return nonnegative.size(); }
+  std::string label() const { return kind + "@" + std::to_string(joint + 1); }
+};
+
+/// Recipes of the named kinds for every joint that moves, scaled to the motion in the data. `channels`: EMG
+/// channels that were recorded; `leg`: the mechanism may carry a patient's, whose muscles and tissue count.
+std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
+                                                   std::span<const std::string> kinds,
+                                                   std::span<const int> channels, bool leg);
+
+/// The variable on which an effect shows: "q", "dq", "ddq", "tau", "time" or "activation".
+std::string_view betrayingVariable(std::string_view kind) noexcept;
+
+}  // namespace patella::diagnose

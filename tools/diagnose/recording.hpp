@@ -1,0 +1,46 @@
+// A measured run as diagnosis works on it: a uniform time base, SI units, the loop's angles.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace patella::diagnose {
+
+/// How a torque sample relates to the position sample of the same row.
+enum class TorqueTiming {
+  kHeld,     ///< commanded at the sample and held until the next: half of it and half of the one before acted
+  kSampled,  ///< what acted at the instant of the sample
+};
+
+/// Rows first … end−1 of a recording that follow each other without a gap.
+struct Segment {
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
+struct Recording {
+  std::string name;    ///< file it came from
+  std::string sha256;  ///< of that file
+  double rate_Hz = 0.0;
+  int joints = 0;
+  TorqueTiming torque_timing = TorqueTiming::kHeld;
+  /// A table of postures at rest: rows have no order in time, rates and accelerations are zero.
+  bool is_static = false;
+  std::vector<double> time_s;  ///< uniform in each segment: its first + i / rate
+  std::array<std::vector<double>, kMaxJoints> position_rad;
+  std::array<std::vector<double>, kMaxJoints> torque_Nm;
+  /// Commanded torque where the recording has it beside a measured one; empty otherwise.
+  std::array<std::vector<double>, kMaxJoints> commanded_Nm;
+  /// EMG activation 0…1; empty where the recording has no EMG.
+  std::array<std::vector<double>, kMaxEmgChannels> activation;
+  std::vector<Segment> segments;      ///< at least one; a loss of more than a few samples ends a segment
+  std::vector<std::string> warnings;  ///< what was repaired on the way: repeated stamps, losses, clipping
+  std::size_t rows() const noexcept { return time_s.size(); }
+};
+
+}  // namespace patella::diagnose

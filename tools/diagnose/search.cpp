@@ -1,0 +1,270 @@
+#include "tools/diagnose/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Dense>
+
+namespace patella::diagnose {
+namespace {
+
+/// A column of which the fit leaves less than this share adds nothing.
+constexpr double kSpanned = 1e-10;
+/// While something is missing, the noise of a fit holds it too and looks slower than it is.
+constexpr double kLargestRedundancy = 12.0;
+
+// Sine and cosine at the times of the rows: thousands of frequencies are tried, and filtering each would take
+// most of the time of a diagnosis.
+Eigen::MatrixXd oscillationColumns(const Dataset& data, int joint, double frequency_Hz) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), 2);
+  const Eigen::ArrayXd angle = 2.0 * std::numbers::pi * frequency_Hz * data.time_s().array();
+  const double gain = data.gain(frequency_Hz);
+  columns.col(0).segment(joint * data.rows(), data.rows()) = -gain * angle.sin();
+  columns.col(1).segment(joint * data.rows(), data.rows()) = -gain * angle.cos();
+  return columns;
+}
+
+// Basis of what a fit's parameters can take up: weighted rows, then those of the priors.
+Eigen::MatrixXd orthonormal(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
+                            const Eigen::MatrixXd& nuisance = {}) {
+  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
+  Eigen::MatrixXd tangent =
+      Eigen::MatrixXd::Zero(slope.rows() + slope.cols(), slope.cols() + nuisance.cols());
+  tangent.topLeftCorner(slope.rows(), slope.cols()) = slope;
+  tangent.bottomLeftCorner(slope.cols(), slope.cols()) = prior_weight.asDiagonal();
+  if (nuisance.cols() > 0) {
+    tangent.topRightCorner(slope.rows(), nuisance.cols()) = fit.weighting->apply(nuisance);
+  }
+  // Columns are brought to one length, or the rank would depend on units.
+  for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
+    const double length = tangent.col(k).norm();
+    tangent.col(k) /= length > 0.0 ? length : 1.0;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tangent);
+  qr.setThreshold(1e-7);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
+}
+
+// Of the columns, what is not spanned already; `before` are their squared lengths before the fit's share was
+// taken out.
+std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                                             const Eigen::VectorXd& before) {
+  std::vector<Eigen::VectorXd> kept;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    Eigen::VectorXd rest = columns.col(k);
+    for (const Eigen::VectorXd& unit : kept) {
+      rest -= unit * unit.dot(rest);
+    }
+    if (rest.squaredNorm() > kSpanned * before[k] && rest.squaredNorm() > 0.0) {
+      kept.push_back(rest.normalized());
+    }
+  }
+  return kept;
+}
+
+// Least-squares coefficients; of columns that the fit nearly spans none that are large against the others.
+Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::VectorXd& before,
+                             const Eigen::VectorXd& residual) {
+  const Eigen::VectorXd length = before.cwiseSqrt().cwiseMax(1e-12);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(0.02);
+  decomposition.compute(columns * length.cwiseInverse().asDiagonal());
+  return decomposition.solve(residual).cwiseQuotient(length);
+}
+
+// Residuals drawn from a fit's noise, weighted; below them the priors' rows.
+Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int count, std::mt19937_64& random) {
+  const NoiseProcess process(data, fit.residual);
+  Eigen::MatrixXd raw(data.rows() * data.joints(), count);
+  for (int r = 0; r < count; ++r) {
+    raw.col(r) = process.draw(random);
+  }
+  const Eigen::MatrixXd weighted = fit.weighting->apply(raw);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd draws(weighted.rows() + fit.prior_weight.size(), count);
+  draws.topRows(weighted.rows()) = weighted;
+  for (Eigen::Index r = 0; r < count; ++r) {
+    for (Eigen::Index i = weighted.rows(); i < draws.rows(); ++i) {
+      draws(i, r) = fit.prior_scale * normal(random);
+    }
+  }
+  return draws;
+}
+
+}  // namespace
+
+Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes) {
+  Atoms atoms;
+  std::vector<Eigen::MatrixXd> parts;
+  Eigen::Index total = 0;
+  for (const auto& recipe : recipes) {
+    for (const std::vector<double>& nu : recipe->grid) {
+      parts.push_back(recipe->kind == "tremor" ? oscillationColumns(fitter.data(), recipe->joint, nu.front())
+                                               : fitter.basis(*recipe, nu));
+      atoms.items.push_back(
+          {.recipe = recipe,
+           .nu = nu,
+           .label = recipe->label(),
+           .joint = recipe->joint,
+           .first = total,
+           .count = parts.back().cols(),
+           .nonlinear = static_cast<int>(nu.size()) - (recipe->coefficients() == 0 ? 1 : 0)});
+      total += parts.back().cols();
+    }
+  }
+  atoms.columns.resize(fitter.data().rows() * fitter.data().joints(), total);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    atoms.columns.middleCols(atoms.items[i].first, atoms.items[i].count) = parts[i];
+  }
+  return atoms;
+}
+
+Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const Atom> atoms,
+                     const Eigen::MatrixXd& columns, const ScreeningOptions& options) {
+  Eigen::VectorXd prior_weight = fit.prior_weight;
+  if (options.free_nominal) {
+    prior_weight.head(static_cast<Eigen::Index>(fit.mechanism.size())).setZero();
+  }
+  explained_ = orthonormal(fit, prior_weight, options.nuisance);
+  const Eigen::VectorXd white = fit.weighting->apply(fit.residual);
+  Eigen::VectorXd residual = Eigen::VectorXd::Zero(explained_.rows());
+  residual.head(white.size()) = white;
+  if (!options.free_nominal) {
+    residual.tail(fit.prior_residual.size()) = fit.prior_residual;
+  }
+  residual -= explained_ * (explained_.transpose() * residual);
+
+  Eigen::MatrixXd work = Eigen::MatrixXd::Zero(explained_.rows(), columns.cols());
+  work.topRows(white.size()) = fit.weighting->apply(columns);
+  const Eigen::VectorXd before = work.colwise().squaredNorm();
+  work -= explained_ * (explained_.transpose() * work);
+
+  basis_.resize(work.rows(), work.cols());
+  Eigen::Index used = 0;
+  for (std::size_t a = 0; a < atoms.size(); ++a) {
+    const Atom& atom = atoms[a];
+    const auto group = work.middleCols(atom.first, atom.count);
+    const std::vector<Eigen::VectorXd> kept = orthonormalised(group, before.segment(atom.first, atom.count));
+    const bool one_sided = atom.count == 1 && atom.recipe != nullptr &&
+                           (atom.recipe->coefficients() == 0 || atom.recipe->nonnegative[0]);
+    Screened result{
+        .atom = a, .raw_gain = 0.0, .gain = 0.0, .dimensions = 0, .c = Eigen::VectorXd::Zero(atom.count)};
+    if (!kept.empty()) {
+      result.dimensions = static_cast<int>(kept.size()) + atom.nonlinear;
+      result.c = coefficients(group, before.segment(atom.first, atom.count), residual);
+    }
+    groups_.push_back({.first = used,
+                       .count = static_cast<Eigen::Index>(kept.size()),
+                       .dimensions = result.dimensions,
+                       .one_sided = one_sided});
+    for (const Eigen::VectorXd& unit : kept) {
+      result.raw_gain += std::pow(unit.dot(residual), 2);
+      basis_.col(used++) = unit.cast<float>();  // a single column keeps its sign, for one-sided tests
+    }
+    if (one_sided && result.c[0] < 0.0) {
+      result.raw_gain = 0.0;
+    }
+    results_.push_back(std::move(result));
+  }
+  basis_.conservativeResize(Eigen::NoChange, used);
+  drawChance(data, fit, options);
+}
+
+void Screening::drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options) {
+  std::mt19937_64 random(options.seed);
+  Eigen::MatrixXd draws = weightedDraws(data, fit, options.replicates, random);
+  draws -= explained_ * (explained_.transpose() * draws);
+  products_ = basis_.transpose() * draws.cast<float>();
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    Group& group = groups_[g];
+    if (group.count > 0) {
+      group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
+                   static_cast<double>(group.count * products_.cols());
+      results_[g].gain = results_[g].raw_gain / group.unit;
+    }
+  }
+}
+
+std::vector<double> Screening::chance(const Statistic& statistic) const {
+  std::vector<double> largest(static_cast<std::size_t>(products_.cols()),
+                              -std::numeric_limits<double>::infinity());
+  for (Eigen::Index r = 0; r < products_.cols(); ++r) {
+    for (const Group& group : groups_) {
+      if (group.count == 0 || (group.one_sided && products_(group.first, r) < 0.0F)) {
+        continue;
+      }
+      const double gain = products_.col(r).segment(group.first, group.count).squaredNorm() / group.unit;
+      double& best = largest[static_cast<std::size_t>(r)];
+      best = std::max(best, statistic(gain, group.dimensions));
+    }
+  }
+  return largest;
+}
+
+namespace {
+
+constexpr int kUnitDraws = 199;
+
+}  // namespace
+
+double redundancy(const Dataset& data, const ModelFit& fit, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  ModelFit free = fit;
+  free.prior_weight.setZero();
+  const Eigen::MatrixXd explained = orthonormal(free, free.prior_weight);
+  const Eigen::MatrixXd draws = weightedDraws(data, free, kUnitDraws, random);
+  if (explained.cols() == 0) {
+    return 1.0;  // at rest and without gravity no parameter takes up anything
+  }
+  const Eigen::Index rows = draws.rows() - free.prior_weight.size();
+  const double share = (explained.topRows(rows).transpose() * draws.topRows(rows)).squaredNorm() /
+                       static_cast<double>(explained.cols() * kUnitDraws);
+  return std::clamp(share, 1.0, kLargestRedundancy);
+}
+
+double chanceUnit(const Dataset& data, const ModelFit& fit, Eigen::Index count, std::uint64_t seed) {
+  const Eigen::Index parameters = fit.tangent.cols();
+  ModelFit others = fit;
+  others.tangent = fit.tangent.leftCols(parameters - count);
+  others.prior_weight = fit.prior_weight.head(parameters - count);
+  const Eigen::MatrixXd explained = orthonormal(others, others.prior_weight);
+  std::mt19937_64 random(seed);
+  Eigen::MatrixXd draws = weightedDraws(data, others, kUnitDraws, random);
+  const Eigen::MatrixXd added = fit.weighting->apply(fit.tangent.rightCols(count));
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(explained.rows(), count);
+  columns.topRows(added.rows()) = added;
+  const Eigen::VectorXd before = columns.colwise().squaredNorm();
+  columns -= explained * (explained.transpose() * columns);
+  double sum = 0.0;
+  const std::vector<Eigen::VectorXd> kept = orthonormalised(columns, before);
+  for (const Eigen::VectorXd& unit : kept) {
+    sum += (unit.transpose() * draws).squaredNorm();
+  }
+  return kept.empty() ? 1.0 : sum / static_cast<double>(kept.size() * kUnitDraws);
+}
+
+Eigen::MatrixXd parameterCovariance(const Dataset& data, const ModelFit& fit, int replicates,
+                                    std::uint64_t seed) {
+  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
+  Eigen::MatrixXd tangent(slope.rows() + slope.cols(), slope.cols());
+  tangent.topRows(slope.rows()) = slope;
+  tangent.bottomRows(slope.cols()) = fit.prior_weight.asDiagonal();
+  std::mt19937_64 random(seed);
+  const Eigen::MatrixXd draws = weightedDraws(data, fit, replicates, random);
+  const auto decomposition = tangent.completeOrthogonalDecomposition();
+  const Eigen::MatrixXd solutions = decomposition.solve(draws);
+  // The residual that the noise was learned from had already lost what the parameters took up.
+  const double left = (draws - tangent * solutions).topRows(slope.rows()).squaredNorm() /
+                      draws.topRows(slope.rows()).squaredNorm();
+  return solutions * solutions.transpose() / (static_cast<double>(replicates) * std::max(0.1, left));
+}
+
+double exceedance(std::span<const double> values, double observed) {
+  const auto reached = std::count_if(values.begin(), values.end(), [=](double v) { return v >= observed; });
+  return (1.0 + static_cast<double>(reached)) / (1.0 + static_cast<double>(values.size()));
+}
+
+}  // namespace patella::diagnose

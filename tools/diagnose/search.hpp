@@ -1,0 +1,99 @@
+// Looks for the effect that would explain most of what a fit leaves, and says how much chance alone would
+// explain.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/model_fit.hpp"
+
+namespace patella::diagnose {
+
+/// Columns that a search tries together: a recipe at one point of its grid, or a smooth function of a
+/// variable.
+struct Atom {
+  std::shared_ptr<const Recipe> recipe;  ///< nullptr for a function of a variable
+  std::vector<double> nu;
+  std::string label;
+  int joint = 0;
+  Eigen::Index first = 0;
+  Eigen::Index count = 0;
+  int nonlinear = 0;  ///< parameters beyond the columns' coefficients, which the search over atoms fits
+};
+
+/// What an atom would explain beyond the fit.
+struct Screened {
+  std::size_t atom = 0;
+  double raw_gain = 0.0;  ///< fall of the weighted squared error
+  double gain = 0.0;      ///< the same in units of what chance brings a column on average
+  int dimensions = 0;     ///< columns that the fit does not span already, and nonlinear parameters
+  Eigen::VectorXd c;      ///< coefficients of the columns
+};
+
+struct ScreeningOptions {
+  int replicates = 499;
+  std::uint64_t seed = 1;
+  bool free_nominal = false;   ///< the mechanism may take up what it can without regard to its tolerance
+  Eigen::MatrixXd nuisance{};  ///< Columns that may take up what they can, too
+};
+
+/// Tests atoms on what a fit leaves. What counts as much is not a sum of squares but how it compares with the
+/// same sum in residuals drawn from the fit's noise: drawn, filtered and projected like the recording itself.
+class Screening {
+ public:
+  /// `columns` of all atoms side by side.
+  Screening(const Dataset& data, const ModelFit& fit, std::span<const Atom> atoms,
+            const Eigen::MatrixXd& columns, const ScreeningOptions& options);
+
+  const std::vector<Screened>& results() const noexcept { return results_; }
+
+  using Statistic = std::function<double(double gain, int dimensions)>;
+  /// Largest statistic over all atoms in data that the fit explains but for its noise; nominal parameters
+  /// drawn from their tolerance. One value a replicate.
+  std::vector<double> chance(const Statistic& statistic) const;
+
+ private:
+  struct Group {
+    Eigen::Index first = 0;  ///< in products_
+    Eigen::Index count = 0;
+    int dimensions = 0;
+    bool one_sided = false;
+    double unit = 1.0;  ///< mean square that chance brings a column
+  };
+
+  void drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options);
+
+  Eigen::MatrixXd explained_;  ///< orthonormal basis of the tangent, weighted, with the priors' rows below
+  Eigen::MatrixXf basis_;      ///< of the atoms, orthonormal within each group
+  Eigen::MatrixXf products_;   ///< of the basis with the draws
+  std::vector<Group> groups_;
+  std::vector<Screened> results_;
+};
+
+/// How many times its share of the squared weighted error chance brings the last `count` parameters of a fit,
+/// drawn from the fit's own noise: 1 where the weighted residual is white.
+double chanceUnit(const Dataset& data, const ModelFit& fit, Eigen::Index count, std::uint64_t seed);
+
+/// The same for all parameters of a fit together: how many rows of its weighted residual say what one would
+/// if they were white.
+double redundancy(const Dataset& data, const ModelFit& fit, std::uint64_t seed);
+
+/// Covariance of a fit's parameters, from fits to residuals drawn from its noise.
+Eigen::MatrixXd parameterCovariance(const Dataset& data, const ModelFit& fit, int replicates,
+                                    std::uint64_t seed);
+
+/// Atoms of recipes, and their columns.
+struct Atoms {
+  std::vector<Atom> items;
+  Eigen::MatrixXd columns;
+};
+Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes);
+
+/// Share of `values` that reach `observed`, counting the observation itself: never 0.
+double exceedance(std::span<const double> values, double observed);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,361 @@
+#include "tools/diagnose/selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/gates.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Candidates of a step that are fitted in full: the best of the screening, so many at most, as long as what
+/// their columns explain comes near the best fit so far.
+constexpr std::size_t kFittedCandidates = 10;
+constexpr double kNearBest = 0.3;
+/// Of what the found effect's columns explain, what those of a rival must, to be fitted in full.
+constexpr double kNearRival = 0.35;
+/// Effects within this much of −2 log posterior of each other explain the data equally well.
+constexpr double kRivalMargin = 6.0;
+constexpr double kLeastStability = 0.8;
+constexpr double kCrossValidationErrors = 1.5;
+/// The same draws for all candidates, so that they are compared under the same luck.
+constexpr std::uint64_t kUnitSeed = 20011;
+constexpr int kRivalReplicates = 99;
+constexpr double kDeviations95 = 1.959964;
+
+int parameters(const ModelFit& fit) {
+  int count = 0;
+  for (const Term& term : fit.terms) {
+    count += term.declared ? 0 : static_cast<int>(term.c.size() + term.nu.size());
+  }
+  return count;
+}
+
+bool contains(const Recipe& recipe, const Term& term) {
+  return !term.declared && term.recipe->joint == recipe.joint &&
+         std::find(recipe.contains.begin(), recipe.contains.end(), term.recipe->kind) !=
+             recipe.contains.end();
+}
+
+// The fit with a candidate added, in place of what it contains.
+ModelFit withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom, const Screened& screened) {
+  ModelFit start = fit;
+  std::erase_if(start.terms, [&](const Term& term) { return contains(*atom.recipe, term); });
+  Term term{.recipe = atom.recipe, .c = {}, .nu = atom.nu, .declared = false, .prior_c = {}};
+  if (atom.recipe->coefficients() > 0) {
+    term.c.assign(screened.c.begin(), screened.c.end());
+    for (std::size_t i = 0; i < term.c.size(); ++i) {
+      // Not at the bound itself, from which a derivative by ν would vanish.
+      term.c[i] = atom.recipe->nonnegative[i] ? std::max(term.c[i], 1e-3) : term.c[i];
+    }
+  } else if (atom.recipe->proportional) {
+    const NonlinearParameter& range = atom.recipe->nonlinear.front();
+    term.nu[0] = std::clamp(term.nu[0] * screened.c[0], range.lower, range.upper);
+  }
+  start.terms.push_back(std::move(term));
+  return fitter.fit(std::move(start), *fit.weighting);
+}
+
+struct Candidate {
+  const Atom* atom = nullptr;
+  const Screened* screened = nullptr;
+  double score = 0.0;  ///< screened gain less the cost of its parameters
+  std::optional<ModelFit> fit;
+  double gain = 0.0;  ///< fall of the objective in units of chance under the candidate's own noise
+  double unit = 1.0;  ///< that unit
+  double margin =
+      -std::numeric_limits<double>::infinity();  ///< gain of the full fit less the cost of its parameters
+  std::string refused_because;
+};
+
+// The best point of the grid for each recipe, best recipe first.
+std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, double cost) {
+  std::vector<Candidate> best;
+  for (const Screened& screened : screening.results()) {
+    const Atom& atom = atoms.items[screened.atom];
+    const double score = screened.raw_gain - cost * screened.dimensions;
+    if (score <= 0.0) {
+      continue;
+    }
+    const auto known = std::find_if(best.begin(), best.end(),
+                                    [&](const Candidate& c) { return c.atom->recipe == atom.recipe; });
+    if (known == best.end()) {
+      best.push_back(
+          {.atom = &atom, .screened = &screened, .score = score, .fit = {}, .refused_because = {}});
+    } else if (score > known->score) {
+      *known = {.atom = &atom, .screened = &screened, .score = score, .fit = {}, .refused_because = {}};
+    }
+  }
+  std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  return best;
+}
+
+void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Candidate& candidate) {
+  candidate.fit = withCandidate(fitter, current, *candidate.atom, *candidate.screened);
+  const auto added =
+      static_cast<Eigen::Index>(candidate.fit->terms.back().c.size() + candidate.fit->terms.back().nu.size());
+  candidate.unit = chanceUnit(fitter.data(), *candidate.fit, added, kUnitSeed);
+  candidate.gain = (current.objective - candidate.fit->objective) / candidate.unit;
+  candidate.margin = candidate.gain - cost * (parameters(*candidate.fit) - parameters(current));
+  const auto& edge = candidate.fit->at_bound;
+  if (std::find(edge.begin(), edge.end(), candidate.atom->label) != edge.end()) {
+    candidate.refused_because = "sign or range";
+  } else if (candidate.margin <= 0.0) {
+    candidate.refused_because = "bic";
+  }
+}
+
+// `threshold` is on the gain less the cost of its parameters; shown is the gain that each candidate has to
+// reach.
+SelectionStep describeStep(const std::vector<Candidate>& candidates, double threshold, double cost) {
+  SelectionStep step;
+  for (const Candidate& candidate : candidates) {
+    const double gain = candidate.fit ? candidate.gain : candidate.screened->gain;
+    step.ranking.push_back({.label = candidate.atom->label,
+                            .gain = 0.5 * gain,
+                            .threshold = 0.5 * (threshold + cost * candidate.screened->dimensions),
+                            .accepted = false,
+                            .refused_because = candidate.refused_because});
+  }
+  return step;
+}
+
+class Selector {
+ public:
+  Selector(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal, const SelectionOptions& options)
+      : fitter_(fitter), atoms_(atoms), options_(options), cost_(parameterCost(nominal)) {
+    result_.fit = nominal;
+    result_.evidence.resize(nominal.terms.size());
+  }
+
+  Selection run() {
+    for (int step = 0; step < options_.most_effects && forward(); ++step) {
+      backward();
+      report(static_cast<double>(step + 1) / options_.most_effects);
+    }
+    findRivals();
+    return std::move(result_);
+  }
+
+ private:
+  void report(double fraction) const {
+    if (options_.progress) {
+      options_.progress(fraction);
+    }
+  }
+
+  bool forward() {
+    const ModelFit& current = result_.fit;
+    const Screening screening(
+        fitter_.data(), current, atoms_.items, atoms_.columns,
+        {.replicates = options_.replicates, .seed = options_.seed + 7919 * result_.steps.size()});
+    std::vector<Candidate> candidates = rank(atoms_, screening, cost_);
+    const auto statistic = [cost = cost_](double gain, int dimensions) { return gain - cost * dimensions; };
+    std::vector<double> chance = screening.chance(statistic);
+    std::sort(chance.begin(), chance.end());
+    const auto place =
+        static_cast<std::size_t>((1.0 - options_.family_wise_p) * static_cast<double>(chance.size() - 1));
+    const double threshold = chance[place];
+
+    Candidate* best = fitBest(current, candidates);
+    double p_value = 1.0;
+    if (best != nullptr) {
+      p_value = exceedance(chance, best->margin);
+      best->refused_because = gate(*best, p_value);
+    }
+    SelectionStep step = describeStep(candidates, threshold, cost_);
+    step.p_value = p_value;
+    const bool accepted = best != nullptr && best->refused_because.empty();
+    if (accepted) {
+      step.ranking[static_cast<std::size_t>(best - candidates.data())].accepted = true;
+      step.accepted = best->atom->label;
+      accept(*best, p_value);
+    }
+    std::stable_sort(step.ranking.begin(), step.ranking.end(),
+                     [](const auto& a, const auto& b) { return a.gain > b.gain; });
+    result_.steps.push_back(std::move(step));
+    return accepted;
+  }
+
+  // Fits the most promising candidates, the first of the list, and returns the best that no gate refuses.
+  Candidate* fitBest(const ModelFit& current, std::vector<Candidate>& candidates) {
+    Candidate* best = nullptr;
+    for (std::size_t i = 0; i < std::min(kFittedCandidates, candidates.size()); ++i) {
+      Candidate& candidate = candidates[i];
+      if (best != nullptr && candidate.score < kNearBest * (current.objective - best->fit->objective)) {
+        break;
+      }
+      fitCandidate(fitter_, current, cost_, candidate);
+      if (candidate.refused_because.empty() && (best == nullptr || better(candidate, *best))) {
+        best = &candidate;
+      }
+    }
+    return best;
+  }
+
+  // Two candidates for the same data are compared under the noise of the one that leaves less.
+  bool better(const Candidate& a, const Candidate& b) const {
+    const double unit = a.fit->objective < b.fit->objective ? a.unit : b.unit;
+    return a.fit->objective + unit * cost_ * parameters(*a.fit) <
+           b.fit->objective + unit * cost_ * parameters(*b.fit);
+  }
+
+  std::string gate(const Candidate& candidate, double p_value) const {
+    if (options_.gate_chance && p_value >= options_.family_wise_p) {
+      return "chance";
+    }
+    if (options_.gate_cross_validation) {
+      const CrossValidation validated = crossValidate(result_.fit, *candidate.fit);
+      if (validated.gain <= kCrossValidationErrors * validated.standard_error) {
+        return "cross-validation";
+      }
+    }
+    if (options_.gate_stability &&
+        stability(result_.fit, *candidate.fit, candidate.unit * (candidate.gain - candidate.margin),
+                  options_.seed) < kLeastStability) {
+      return "stability";
+    }
+    return {};
+  }
+
+  // Evidence follows its term; what the new one replaced goes.
+  void accept(Candidate& best, double p_value) {
+    std::vector<Evidence> evidence;
+    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
+      if (!contains(*best.atom->recipe, result_.fit.terms[t])) {
+        evidence.push_back(result_.evidence[t]);
+      }
+    }
+    evidence.push_back({.p_value = p_value, .gain = best.gain, .rivals = {}});
+    // What is left now is nearer to the noise: weighted by it, everything is fitted once more.
+    const Eigen::VectorXd residual = best.fit->residual;
+    fitter_.setRedundancy(redundancy(fitter_.data(), *best.fit, kUnitSeed));
+    result_.fit = fitter_.fit(std::move(*best.fit), Weighting(fitter_.data(), residual));
+    result_.evidence = std::move(evidence);
+    unit_ = best.unit;
+  }
+
+  ModelFit without(std::size_t term) {
+    ModelFit start = result_.fit;
+    start.terms.erase(start.terms.begin() + static_cast<std::ptrdiff_t>(term));
+    return fitter_.fit(std::move(start), *result_.fit.weighting);
+  }
+
+  // Drops what later additions have made superfluous.
+  void backward() {
+    for (std::size_t t = 0; t < result_.fit.terms.size();) {
+      const Term& term = result_.fit.terms[t];
+      if (term.declared || t + 1 == result_.fit.terms.size()) {
+        ++t;
+        continue;
+      }
+      ModelFit smaller = without(t);
+      const double gain = (smaller.objective - result_.fit.objective) / unit_;
+      if (gain < cost_ * (parameters(result_.fit) - parameters(smaller))) {
+        result_.fit = std::move(smaller);
+        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(t));
+      } else {
+        result_.evidence[t].gain = gain;
+        ++t;
+      }
+    }
+  }
+
+  // Effects that would do as well in a found one's place. One that does better takes it.
+  void findRivals() {
+    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
+      if (result_.fit.terms[t].declared) {
+        continue;
+      }
+      const ModelFit smaller = without(t);
+      const int size = parameters(result_.fit) - parameters(smaller);
+      result_.evidence[t].gain = (smaller.objective - result_.fit.objective) / unit_;
+      const double full_margin = result_.evidence[t].gain - cost_ * size;
+      const std::string own = result_.fit.terms[t].recipe->label();
+      const Screening screening(fitter_.data(), smaller, atoms_.items, atoms_.columns,
+                                {.replicates = kRivalReplicates, .seed = options_.seed});
+      std::vector<Candidate> candidates = rank(atoms_, screening, cost_);
+      const auto itself = std::find_if(candidates.begin(), candidates.end(),
+                                       [&](const Candidate& c) { return c.atom->label == own; });
+      const double own_score = itself == candidates.end() ? 0.0 : itself->score;
+      std::erase_if(candidates, [&](const Candidate& c) {
+        return c.atom->label == own || c.score < kNearRival * own_score;
+      });
+      std::vector<std::string> rivals;
+      fitBest(smaller, candidates);
+      for (std::size_t i = 0; i < candidates.size() && candidates[i].fit; ++i) {
+        const std::string& label = candidates[i].atom->label;
+        if (candidates[i].refused_because != "sign or range" &&
+            rivalMargin(candidates[i], smaller) > full_margin - kRivalMargin &&
+            std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
+          rivals.push_back(label);
+        }
+      }
+      result_.evidence[t].rivals = std::move(rivals);
+    }
+  }
+
+  // In the unit of what was found, as rivals explain the same part of the data.
+  double rivalMargin(const Candidate& rival, const ModelFit& smaller) const {
+    return (smaller.objective - rival.fit->objective) / unit_ -
+           cost_ * (parameters(*rival.fit) - parameters(smaller));
+  }
+
+  ModelFitter& fitter_;
+  const Atoms& atoms_;
+  const SelectionOptions& options_;
+  double cost_;
+  double unit_ = 1.0;  ///< of the last accepted candidate
+  Selection result_;
+};
+
+}  // namespace
+
+double parameterCost(const ModelFit& fit) {
+  return std::log(static_cast<double>(fit.weighting->rows()));
+}
+
+Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
+                 const SelectionOptions& options) {
+  return Selector(fitter, atoms, nominal, options).run();
+}
+
+std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& all_covariance,
+                                         std::size_t index) {
+  const Term& term = fit.terms[index];
+  const auto& descriptor = *model::findEffect(term.recipe->kind);
+  const std::vector<double> values = ModelFitter::effectParameters(term);
+  const auto count = static_cast<Eigen::Index>(term.c.size() + term.nu.size());
+  Eigen::MatrixXd slope(static_cast<Eigen::Index>(values.size()), count);
+  const Eigen::MatrixXd covariance = all_covariance.block(fit.offset[index], fit.offset[index], count, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Term moved = term;
+    const auto i = static_cast<std::size_t>(k);
+    double& value = i < term.c.size() ? moved.c[i] : moved.nu[i - term.c.size()];
+    const double step = std::max(1e-3 * std::sqrt(covariance(k, k)), 1e-9);
+    value += step;
+    const std::vector<double> there = ModelFitter::effectParameters(moved);
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      slope(static_cast<Eigen::Index>(p), k) = (there[p] - values[p]) / step;
+    }
+  }
+  const Eigen::MatrixXd propagated = slope * covariance * slope.transpose();
+  std::vector<ParameterEstimate> all;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    const auto row = static_cast<Eigen::Index>(p);
+    const double half = kDeviations95 * std::sqrt(std::max(0.0, propagated(row, row)));
+    if (descriptor.parameters[p].identified) {
+      all.push_back({.name = std::string(descriptor.parameters[p].name),
+                     .value = values[p],
+                     .ci95 = {values[p] - half, values[p] + half}});
+    }
+  }
+  return all;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,49 @@
+// Decides which effects are missing: forward, with replacement and a step back, each step through every gate.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/model_fit.hpp"
+#include "tools/diagnose/search.hpp"
+
+namespace patella::diagnose {
+
+struct SelectionOptions {
+  int replicates = 499;
+  double family_wise_p = 0.01;
+  std::uint64_t seed = 1;
+  int most_effects = 5;
+  bool gate_chance = true;  ///< family-wise p of a parametric bootstrap
+  bool gate_cross_validation = true;
+  bool gate_stability = true;
+  std::function<void(double fraction)> progress;
+};
+
+/// A found term and what speaks for it.
+struct Evidence {
+  double p_value = 1.0;
+  double gain = 0.0;                ///< fall of −2 log posterior that it alone accounts for
+  std::vector<std::string> rivals;  ///< labels that explain the data as well in its place
+};
+
+struct Selection {
+  ModelFit fit;
+  std::vector<Evidence> evidence;  ///< one for each term of the fit; empty for declared ones
+  std::vector<SelectionStep> steps;
+};
+
+Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
+                 const SelectionOptions& options);
+
+/// What a parameter costs in −2 log-likelihood (Bayesian information criterion).
+double parameterCost(const ModelFit& fit);
+
+/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance.
+std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& covariance,
+                                         std::size_t term);
+
+}  // namespace patella::diagnose

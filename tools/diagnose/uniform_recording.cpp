@@ -1,0 +1,355 @@
+#include "tools/diagnose/uniform_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "core/emg/emg_chain.hpp"
+#include "firmware_app/files/file_error.hpp"
+#include "tools/convert/time_base.hpp"
+#include "tools/signals/signals.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using app::FileError;
+using convert::Interpolation;
+using convert::TimeBase;
+
+constexpr std::size_t kFewestRows = 100;
+constexpr std::size_t kFewestPostures = 10;
+constexpr double kLongestBridge_s = 0.020;
+constexpr double kLongestBridge_samples = 3.0;
+constexpr double kRoundingOfRate = 0.002;
+/// Stamps this near to a uniform grid, in samples, are rounded ones of that grid.
+constexpr double kRoundingOfStamps = 0.02;
+constexpr double kLowestEmgRate_Hz = 200.0;
+/// Below it a channel holds nothing.
+constexpr double kSilence = 1e-9;
+
+std::string place(const RawRecording& raw, std::size_t row) {
+  return raw.line.empty() ? fmt::format("{}: sample {}", raw.name, row + 1)
+                          : fmt::format("{}:{}", raw.name, raw.line[row]);
+}
+
+/// Name of the first signal without a value in the row, or nothing.
+std::string missingIn(const RawRecording& raw, std::size_t row) {
+  std::string missing;
+  if (!raw.stamp_s.empty() && !std::isfinite(raw.stamp_s[row])) {
+    missing = "time";
+  }
+  RawRecording::forEachSignal(raw, [&](const std::string& name, const std::vector<double>& values) {
+    if (missing.empty() && !std::isfinite(values[row])) {
+      missing = name;
+    }
+  });
+  return missing;
+}
+
+/// Rows from the first complete one to the last; all between must be complete too.
+Segment completeRows(const RawRecording& raw) {
+  Segment rows{.first = 0, .end = raw.rows()};
+  while (rows.first < rows.end && !missingIn(raw, rows.first).empty()) {
+    ++rows.first;
+  }
+  while (rows.end > rows.first && !missingIn(raw, rows.end - 1).empty()) {
+    --rows.end;
+  }
+  for (std::size_t row = rows.first; row < rows.end; ++row) {
+    const std::string missing = missingIn(raw, row);
+    if (!missing.empty()) {
+      throw FileError(place(raw, row) + ": " + missing +
+                      " has no value, expected one in every row between the first complete row and the last");
+    }
+  }
+  return rows;
+}
+
+void requireRows(const RawRecording& raw, std::size_t rows, std::size_t fewest) {
+  if (rows < fewest) {
+    throw FileError(fmt::format("{}: {} complete rows, expected at least {}", raw.name, rows, fewest));
+  }
+}
+
+/// Rows with increasing stamps, and for each the rows of the recording that share its stamp.
+struct Instants {
+  std::vector<double> stamp_s;
+  std::vector<Segment> rows;
+};
+
+Instants instantsOf(const RawRecording& raw, const Segment& rows) {
+  Instants instants;
+  for (std::size_t row = rows.first; row < rows.end; ++row) {
+    const double stamp_s = raw.stamp_s[row];
+    if (!instants.stamp_s.empty() && stamp_s <= instants.stamp_s.back()) {
+      if (stamp_s < instants.stamp_s.back()) {
+        throw FileError(
+            fmt::format("{}: time {} s comes after {} s in the row before, expected it to increase",
+                        place(raw, row), stamp_s, instants.stamp_s.back()));
+      }
+      instants.rows.back().end = row + 1;
+      continue;
+    }
+    instants.stamp_s.push_back(stamp_s);
+    instants.rows.push_back({.first = row, .end = row + 1});
+  }
+  return instants;
+}
+
+double rateOf(const RawRecording& raw, const Instants& instants) {
+  std::vector<double> steps(instants.stamp_s.size());
+  std::adjacent_difference(instants.stamp_s.begin(), instants.stamp_s.end(), steps.begin());
+  steps.erase(steps.begin());
+  const double rate_Hz = raw.rate_Hz.value_or(1.0 / offline::median(steps));
+  const double whole_Hz = std::round(rate_Hz);
+  return std::abs(rate_Hz - whole_Hz) <= kRoundingOfRate * rate_Hz ? whole_Hz : rate_Hz;
+}
+
+std::vector<double> averaged(const std::vector<double>& values, const Instants& instants) {
+  std::vector<double> result;
+  result.reserve(instants.rows.size());
+  for (const Segment& rows : instants.rows) {
+    const double sum = std::accumulate(values.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                                       values.begin() + static_cast<std::ptrdiff_t>(rows.end), 0.0);
+    result.push_back(sum / static_cast<double>(rows.end - rows.first));
+  }
+  return result;
+}
+
+/// Instants first … end−1 between two gaps, and the uniform ones that take their place.
+struct Stretch {
+  TimeBase base;
+  std::vector<double> grid_s;
+  bool uniform = false;
+};
+
+Stretch stretchOf(const Instants& instants, std::size_t first, std::size_t end, double rate_Hz) {
+  Stretch stretch;
+  for (std::size_t i = first; i < end; ++i) {
+    stretch.base.time_s.push_back(instants.stamp_s[i]);
+    stretch.base.row.push_back(i);
+  }
+  stretch.grid_s = convert::uniformGrid(stretch.base, rate_Hz);
+  const auto count = end - first;
+  const double start_s = stretch.base.time_s.front();
+  stretch.uniform = true;
+  for (std::size_t i = 0; i < count && stretch.uniform; ++i) {
+    const double off = (stretch.base.time_s[i] - start_s) * rate_Hz - static_cast<double>(i);
+    stretch.uniform = std::abs(off) <= kRoundingOfStamps;
+  }
+  if (stretch.uniform) {
+    stretch.grid_s.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      stretch.grid_s[i] = start_s + static_cast<double>(i) / rate_Hz;
+    }
+  }
+  return stretch;
+}
+
+std::vector<Stretch> stretchesOf(const Instants& instants, double rate_Hz,
+                                 std::vector<std::string>& warnings) {
+  const double longest_s = std::max(kLongestBridge_s, kLongestBridge_samples / rate_Hz) + 1e-9;
+  std::vector<Stretch> stretches;
+  std::size_t first = 0;
+  std::size_t bridged = 0;
+  std::size_t gaps = 0;
+  double widest_s = 0.0;
+  double widest_at_s = 0.0;
+  for (std::size_t i = 1; i <= instants.stamp_s.size(); ++i) {
+    const bool last = i == instants.stamp_s.size();
+    const double step_s = last ? 0.0 : instants.stamp_s[i] - instants.stamp_s[i - 1];
+    if (!last && step_s <= longest_s) {
+      bridged += static_cast<std::size_t>(std::max(0.0, std::round(step_s * rate_Hz) - 1.0));
+      continue;
+    }
+    if (i - first > 1) {
+      stretches.push_back(stretchOf(instants, first, i, rate_Hz));
+    }
+    first = i;
+    gaps += last ? 0 : 1;
+    if (step_s > widest_s) {
+      widest_s = step_s;
+      widest_at_s = instants.stamp_s[i - 1];
+    }
+  }
+  if (bridged > 0) {
+    warnings.push_back(fmt::format("{} lost samples were interpolated", bridged));
+  }
+  if (gaps > 0) {
+    warnings.push_back(
+        fmt::format("{} {} of up to {:.3g} s, the longest at {:.4g} s: taken as separate stretches", gaps,
+                    gaps == 1 ? "gap" : "gaps", widest_s, widest_at_s));
+  }
+  return stretches;
+}
+
+/// Of `values`, one for each instant, those of all stretches one after the other.
+std::vector<double> joined(const std::vector<double>& values, const std::vector<Stretch>& stretches,
+                           Interpolation method) {
+  std::vector<double> result;
+  for (const Stretch& stretch : stretches) {
+    if (stretch.uniform) {
+      const auto first = values.begin() + static_cast<std::ptrdiff_t>(stretch.base.row.front());
+      result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(stretch.base.row.size()));
+    } else {
+      const std::vector<double> part = convert::resample(stretch.base, values, stretch.grid_s, method);
+      result.insert(result.end(), part.begin(), part.end());
+    }
+  }
+  return result;
+}
+
+bool silent(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) < kSilence; });
+}
+
+using Channels = std::array<std::vector<double>, kMaxEmgChannels>;
+
+/// The loop's chain over each segment, then all of it in units of its largest envelope.
+Channels activationOf(const Channels& emg_mV, const Recording& recording) {
+  if (recording.rate_Hz < kLowestEmgRate_Hz) {
+    throw FileError(
+        fmt::format("{}: raw EMG at {:.4g} Hz, expected at least {:.4g} Hz, or its envelope as activation",
+                    recording.name, recording.rate_Hz, kLowestEmgRate_Hz));
+  }
+  emg::EmgChain chain({.rate_Hz = recording.rate_Hz});
+  Channels activation;
+  for (const Segment& segment : recording.segments) {
+    chain.reset();
+    for (std::size_t i = segment.first; i < segment.end; ++i) {
+      EmgArray sample{};
+      for (std::size_t c = 0; c < sample.size(); ++c) {
+        sample[c] = emg_mV[c].empty() ? 0.0 : emg_mV[c][i];
+      }
+      const EmgArray envelope_mV = chain.update(sample, 1).envelope_mV;
+      for (std::size_t c = 0; c < sample.size(); ++c) {
+        activation[c].push_back(envelope_mV[c]);
+      }
+    }
+  }
+  for (std::vector<double>& channel : activation) {
+    const double largest = *std::max_element(channel.begin(), channel.end());
+    if (largest < kSilence) {
+      channel.clear();
+    }
+    for (double& value : channel) {
+      value = std::max(0.0, value / largest);
+    }
+  }
+  return activation;
+}
+
+/// A torque that sits at its highest or lowest value, and hardly ever near it, is cut off there.
+void warnOfClipping(const std::vector<double>& torque, std::size_t joint,
+                    std::vector<std::string>& warnings) {
+  constexpr double kShare = 0.01;
+  constexpr std::size_t kPileUp = 5;
+  std::vector<double> sorted = torque;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.front() == sorted.back()) {
+    return;
+  }
+  const auto look = [&](auto begin, auto end) {
+    const auto next = std::find_if(begin, end, [&](double value) { return value != *begin; });
+    const auto after = std::find_if(next, end, [&](double value) { return value != *next; });
+    const auto count = static_cast<std::size_t>(next - begin);
+    const double share = static_cast<double>(count) / static_cast<double>(sorted.size());
+    if (share > kShare && count > kPileUp * static_cast<std::size_t>(after - next) && *begin != 0.0) {
+      warnings.push_back(
+          fmt::format("torque of joint {} is clipped at {:.4g} N·m in {:.1f} % of the recording", joint + 1,
+                      *begin, 100.0 * share));
+    }
+  };
+  look(sorted.begin(), sorted.end());
+  look(sorted.rbegin(), sorted.rend());
+}
+
+void fillEmg(const RawRecording& raw, const Instants& instants, const std::vector<Stretch>& stretches,
+             Recording& recording) {
+  Channels emg_mV;
+  bool raw_emg = false;
+  for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
+    if (!raw.activation[c].empty() && !silent(raw.activation[c])) {
+      recording.activation[c] =
+          joined(averaged(raw.activation[c], instants), stretches, Interpolation::kLinear);
+    }
+    if (!raw.emg_mV[c].empty()) {
+      emg_mV[c] = joined(averaged(raw.emg_mV[c], instants), stretches, Interpolation::kLinear);
+      raw_emg = raw_emg || !silent(emg_mV[c]);
+    }
+  }
+  if (raw_emg) {
+    recording.activation = activationOf(emg_mV, recording);
+  }
+}
+
+Recording makePostures(const RawRecording& raw, Recording recording) {
+  const Segment rows{.first = 0, .end = raw.rows()};
+  requireRows(raw, rows.end, kFewestPostures);
+  const Segment complete = completeRows(raw);
+  if (complete.first != rows.first || complete.end != rows.end) {
+    const std::size_t row = complete.first != rows.first ? 0 : complete.end;
+    throw FileError(place(raw, row) + ": " + missingIn(raw, row) +
+                    " has no value, expected one in every posture");
+  }
+  recording.rate_Hz = 1.0;
+  for (std::size_t i = 0; i < rows.end; ++i) {
+    recording.time_s.push_back(static_cast<double>(i));
+  }
+  recording.position_rad = raw.position_rad;
+  recording.torque_Nm = raw.torque_Nm;
+  recording.commanded_Nm = raw.commanded_Nm;
+  recording.activation = raw.activation;
+  recording.segments = {rows};
+  return recording;
+}
+
+}  // namespace
+
+Recording makeUniform(const RawRecording& raw) {
+  Recording recording;
+  recording.name = raw.name;
+  recording.joints = raw.joints;
+  recording.torque_timing = raw.torque_timing;
+  recording.is_static = raw.is_static;
+  recording.warnings = raw.warnings;
+  if (raw.is_static) {
+    return makePostures(raw, std::move(recording));
+  }
+  const Segment rows = completeRows(raw);
+  requireRows(raw, rows.end - rows.first, kFewestRows);
+  const Instants instants = instantsOf(raw, rows);
+  requireRows(raw, instants.stamp_s.size(), kFewestRows);
+  if (const std::size_t repeated = rows.end - rows.first - instants.stamp_s.size(); repeated > 0) {
+    recording.warnings.push_back(
+        fmt::format("{} rows with the time stamp of the row before were averaged with it", repeated));
+  }
+  recording.rate_Hz = rateOf(raw, instants);
+  const std::vector<Stretch> stretches = stretchesOf(instants, recording.rate_Hz, recording.warnings);
+  for (const Stretch& stretch : stretches) {
+    recording.segments.push_back(
+        {.first = recording.rows(), .end = recording.rows() + stretch.grid_s.size()});
+    recording.time_s.insert(recording.time_s.end(), stretch.grid_s.begin(), stretch.grid_s.end());
+  }
+  requireRows(raw, recording.rows(), kFewestRows);
+  const Interpolation of_torque =
+      raw.torque_timing == TorqueTiming::kHeld ? Interpolation::kHold : Interpolation::kLinear;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
+    const std::vector<double> torque = averaged(raw.torque_Nm[j], instants);
+    warnOfClipping(torque, j, recording.warnings);
+    recording.position_rad[j] =
+        joined(averaged(raw.position_rad[j], instants), stretches, Interpolation::kCubic);
+    recording.torque_Nm[j] = joined(torque, stretches, of_torque);
+    if (!raw.commanded_Nm[j].empty()) {
+      recording.commanded_Nm[j] =
+          joined(averaged(raw.commanded_Nm[j], instants), stretches, Interpolation::kHold);
+    }
+  }
+  fillEmg(raw, instants, stretches, recording);
+  return recording;
+}
+
+}  // namespace patella::diagnose
