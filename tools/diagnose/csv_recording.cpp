@@ -117,22 +117,6 @@ CsvTable readSignals(std::string_view text, RawRecording& recording,
   return table;
 }
 
-/// Keeps the rows whose number is in `rows`, in their order.
-void keepRows(RawRecording& recording, const std::vector<std::size_t>& rows) {
-  const auto keep = [&](auto& values) {
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      values[i] = values[rows[i]];
-    }
-    values.resize(rows.size());
-  };
-  if (!recording.stamp_s.empty()) {
-    keep(recording.stamp_s);
-  }
-  keep(recording.line);
-  RawRecording::forEachSignal(recording,
-                              [&](const std::string&, std::vector<double>& values) { keep(values); });
-}
-
 bool neverMoves(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0 || std::isnan(v); });
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "tools/signals/signals.hpp"
+#include "tools/signals/spectral_lines.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -43,7 +44,8 @@ Samples actingTorque(Samples torque, TorqueTiming timing) {
 }
 
 Series restingSeries(const Recording& recording, const Segment& segment) {
-  Series series{.rate_Hz = 1.0, .states = {}, .acceleration = {}, .slow_acceleration = {}};
+  Series series{
+      .rate_Hz = 1.0, .states = {}, .acceleration = {}, .slow_acceleration = {}, .asked_torque_Nm = {}};
   for (std::size_t i = segment.first; i < segment.end; ++i) {
     model::EffectInput state;
     state.q.setZero(recording.joints);
@@ -57,6 +59,7 @@ Series restingSeries(const Recording& recording, const Segment& segment) {
     series.states.push_back(state);
     series.acceleration.emplace_back(JointVector::Zero(recording.joints));
     series.slow_acceleration.emplace_back(JointVector::Zero(recording.joints));
+    series.asked_torque_Nm.emplace_back(JointVector::Zero(recording.joints));
   }
   return series;
 }
@@ -68,9 +71,12 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
   const auto smooth = [&](const Samples& raw) {
     return everyNth(offline::zeroPhaseLowPass(raw, smoothing_Hz, rate, kFilterOrder), step);
   };
-  Series series{
-      .rate_Hz = rate / static_cast<double>(step), .states = {}, .acceleration = {}, .slow_acceleration = {}};
-  std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque;
+  Series series{.rate_Hz = rate / static_cast<double>(step),
+                .states = {},
+                .acceleration = {},
+                .slow_acceleration = {},
+                .asked_torque_Nm = {}};
+  std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque, asked;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     // Differentiated at the full rate, where central differences reach furthest.
     const Samples position =
@@ -84,6 +90,9 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
                                                  rate, kFilterOrder),
                        step);
     torque[j] = smooth(actingTorque(part(recording.torque_Nm[j], segment), recording.torque_timing));
+    asked[j] = options.asked_torque
+                   ? offline::lineSpectrumPart(torque[j], series.rate_Hz, {.highest_Hz = options.band_Hz})
+                   : Samples(torque[j].size(), 0.0);
   }
   std::array<Samples, kMaxEmgChannels> activation;
   for (std::size_t channel = 0; channel < activation.size(); ++channel) {
@@ -95,6 +104,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
     model::EffectInput state;
     JointVector acceleration(recording.joints);
     JointVector slow_acceleration(recording.joints);
+    JointVector asked_torque_Nm(recording.joints);
     state.q.resize(recording.joints);
     state.dq.resize(recording.joints);
     state.torque_Nm.resize(recording.joints);
@@ -105,6 +115,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
       state.torque_Nm[joint] = torque[j][i];
       acceleration[joint] = ddq[j][i];
       slow_acceleration[joint] = slow[j][i];
+      asked_torque_Nm[joint] = asked[j][i];
     }
     for (std::size_t channel = 0; channel < activation.size(); ++channel) {
       state.activation[channel] = activation[channel].empty() ? 0.0 : activation[channel][i];
@@ -113,6 +124,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
     series.states.push_back(state);
     series.acceleration.push_back(acceleration);
     series.slow_acceleration.push_back(slow_acceleration);
+    series.asked_torque_Nm.push_back(asked_torque_Nm);
   }
   return series;
 }
@@ -286,6 +298,22 @@ Column Dataset::effectTorque(model::Effect& effect) const {
                   }
                   return effect.inertia(series.states[i].q) * series.acceleration[i] -
                          effect.torque(series.states[i]);
+                });
+}
+
+Column Dataset::askedEffectTorque(model::Effect& effect) const {
+  const auto asked = [](const Series& series, std::size_t i) {
+    model::EffectInput input = series.states[i];
+    input.torque_Nm = series.asked_torque_Nm[i];
+    return input;
+  };
+  return column([&](const Series& series) { effect.reset(asked(series, 0)); },
+                [&](const Series& series, std::size_t i) -> JointVector {
+                  const model::EffectInput input = asked(series, i);
+                  if (i > 0) {
+                    effect.advance(input, 1.0 / series.rate_Hz);
+                  }
+                  return -effect.torque(input);
                 });
 }
 

@@ -21,6 +21,7 @@ struct DatasetOptions {
   double smoothing_Hz = 40.0;         ///< zero-phase, on positions and torques before they are differentiated
   double evaluation_rate_Hz = 500.0;  ///< at most; effects are evaluated at this rate
   double band_Hz = 14.0;              ///< zero-phase, on torques and columns
+  bool asked_torque = false;          ///< have the series' asked torque, too, which takes a while
 };
 
 /// The motion's own band: two and a half times the frequency below which 99 % of the power of every joint's
@@ -36,6 +37,9 @@ struct Series {
   /// The same below the band's middle. As a variable on which a residual may depend it has to be free of the
   /// encoder's noise, which is in the residual too.
   std::vector<JointVector> slow_acceleration;
+  /// The sinusoids in the torque, which the motion asked for. A controller answers a person's push, so that
+  /// the rest of the torque goes with what no model explains. Zero unless it was ordered.
+  std::vector<JointVector> asked_torque_Nm;
 };
 
 /// Rows first … end−1 of every joint that follow each other in time.
@@ -72,6 +76,8 @@ class Dataset {
   Column modelTorque(model::DynamicsModel& dynamics) const;
   /// Torque that an effect takes from the drives: −torque() + ΔI ddq.
   Column effectTorque(model::Effect& effect) const;
+  /// The same, driven by the part of the torque that the motion asked for.
+  Column askedEffectTorque(model::Effect& effect) const;
   /// Columns of the mechanism's regressor.
   std::vector<Column> regressor(const model::Mechanism& mechanism) const;
   /// A variable of one joint's state through the band, as `rows()` values.

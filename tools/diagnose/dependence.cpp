@@ -48,6 +48,15 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
                        },
                    .factor = {}});
   }
+  for (const int channel : channels) {
+    const auto activation = static_cast<std::size_t>(channel - 1);
+    for (int j = 0; j < data.joints(); ++j) {
+      all.push_back(
+          {.name = fmt::format("activation{}*q{}", channel, j + 1),
+           .value = [=](const Series& s, std::size_t i) { return s.states[i].q[j]; },
+           .factor = [=](const Series& s, std::size_t i) { return s.states[i].activation[activation]; }});
+    }
+  }
   for (int j = 0; j < data.joints(); ++j) {
     const Value acceleration = [=](const Series& s, std::size_t i) { return s.slow_acceleration[i][j]; };
     const Value velocity = [=](const Series& s, std::size_t i) { return s.states[i].dq[j]; };

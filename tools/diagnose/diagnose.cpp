@@ -13,6 +13,7 @@
 #include "tools/diagnose/dependence.hpp"
 #include "tools/diagnose/drive_timing.hpp"
 #include "tools/diagnose/excitation.hpp"
+#include "tools/diagnose/free_function.hpp"
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/simulation_error.hpp"
@@ -157,7 +158,9 @@ class Procedure {
       : model_(model), options_(options), channels_(recordedChannels(recordings)) {
     const SplitRecordings parts = split(recordings, holdout.empty() ? options.holdout_fraction : 0.0);
     const DatasetOptions dataset_options{.band_Hz = motionBand_Hz(parts.train)};
-    train_.emplace(parts.train, dataset_options);
+    DatasetOptions train_options = dataset_options;
+    train_options.asked_torque = true;
+    train_.emplace(parts.train, train_options);
     wide_.emplace(parts.train, DatasetOptions{});
     if (!holdout.empty()) {
       heldout_.emplace(holdout, dataset_options);
@@ -234,6 +237,7 @@ class Procedure {
     result_.unexplained = dependence.found;
     const Eigen::MatrixXd covariance =
         parameterCovariance(*train_, selection.fit, options_.bootstrap_replicates, options_.seed + 15485863);
+    const std::vector<FreeFunction> free = freeFunctions(*train_, selection);
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
       const Term& term = selection.fit.terms[t];
       if (term.declared) {
@@ -253,6 +257,11 @@ class Procedure {
             rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
       }
       addConfounds(finding);
+      for (const FreeFunction& function : free) {
+        if (std::find(function.terms.begin(), function.terms.end(), t) != function.terms.end()) {
+          finding.indistinguishable_from.push_back("any function of " + function.dependence.variable);
+        }
+      }
       result_.effects.push_back(std::move(finding));
     }
     addTremorLine(fitter.describe(selection.fit));
@@ -260,7 +269,10 @@ class Procedure {
                              selection.fit.weighting->objective(selection.fit.residual);
     const bool unexplained = !dependence.found.empty() &&
                              dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain);
-    if (unexplained) {
+    for (const FreeFunction& function : free) {
+      result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
+    }
+    if (unexplained || !free.empty()) {
       result_.verdict = Verdict::kUnknownEffect;
     } else if (!result_.effects.empty()) {
       result_.verdict = Verdict::kEffectFound;
@@ -304,10 +316,14 @@ class Procedure {
     return std::move(result_);
   }
 
-  // Equal by algebra, whatever the motion.
+  // Equal by algebra, whatever the motion; or the limit of what could be behind it.
   static void addConfounds(EffectFinding& finding) {
     if (finding.kind == "asymmetric_friction") {
       finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
+    }
+    // A spring too stiff to show.
+    if (finding.kind == "rotor_inertia") {
+      finding.indistinguishable_from.emplace_back("transmission_elasticity");
     }
     if (!finding.indistinguishable_from.empty()) {
       finding.separating_motion = separatingMotion(finding.kind);
@@ -322,7 +338,7 @@ class Procedure {
         std::find(options_.effects.begin(), options_.effects.end(), "tremor") != options_.effects.end();
     const bool known = std::any_of(result_.effects.begin(), result_.effects.end(),
                                    [](const EffectFinding& effect) { return effect.kind == "tremor"; });
-    if (!considered || known || std::holds_alternative<model::PrismaticJointParameters>(model_.mechanism)) {
+    if (!considered || known) {
       return;
     }
     const auto line = findTremorLine(*wide_, residualOf(*wide_, extended).residual, kTremorP);

@@ -217,7 +217,9 @@ Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double>
   for (std::size_t i = 0; i < bases.size(); ++i) {
     for (const BasisTerm& term : bases[i]) {
       const auto effect = model::makeEffect(recipe.kind, recipe.joint, dynamics.mechanism(), term.parameters);
-      columns.col(static_cast<Eigen::Index>(i)) += term.weight * data_->effectTorque(*effect);
+      columns.col(static_cast<Eigen::Index>(i)) +=
+          term.weight *
+          (recipe.by_asked_torque ? data_->askedEffectTorque(*effect) : data_->effectTorque(*effect));
     }
   }
   cache_.emplace(key, columns);

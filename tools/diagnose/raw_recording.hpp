@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,5 +50,8 @@ struct RawRecording {
     group(recording.emg_mV, "EMG channel");
   }
 };
+
+/// Keeps the rows whose numbers are in `rows`, which increase.
+void keepRows(RawRecording& recording, std::span<const std::size_t> rows);
 
 }  // namespace patella::diagnose

@@ -269,15 +269,15 @@ Recipe torqueRipple(const Motion& motion) {
                      range(coarsestRipple(motion), finestRipple(motion), step));
 }
 
-/// Drives are at most so late. Beyond it, a controller's answer to the patient passes for a late drive: both
-/// let torque follow on motion.
-constexpr double kLatest_s = 0.02;
+/// No drive is later.
+constexpr double kLatest_s = 0.05;
 
 Recipe timing(const char* kind, const Motion& motion, const char* name, double upper_s) {
   Recipe recipe = start(kind, motion, {});
   recipe.nonlinear = {{.lower = 1e-4, .upper = upper_s}};
-  recipe.grid = product({{0.002, 0.006, 0.015}});
+  recipe.grid = product({{0.002, 0.006, 0.015, 0.03}});
   recipe.proportional = true;
+  recipe.by_asked_torque = true;
   recipe.parameters = [=](Numbers, Numbers nu) -> std::vector<double> {
     return Parameters(kind).set(name, nu[0]);
   };
@@ -300,9 +300,11 @@ Recipe encoderOffset(const Motion& motion) {
 Recipe transmissionElasticity(const Motion& motion) {
   constexpr double kDampingRatio = 0.1;
   Recipe recipe = start("transmission_elasticity", motion, {});
+  recipe.contains = {"rotor_inertia"};
   const double inertia = std::max(0.001, motion.inertia);
   recipe.nonlinear = {{.lower = 4.0, .upper = 200.0}, {.lower = 0.002 * inertia, .upper = 2.0 * inertia}};
-  recipe.grid = product({{15.0, 40.0, 100.0}, {0.05 * inertia, 0.2 * inertia, 0.7 * inertia}});
+  recipe.grid =
+      product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0}, {0.05 * inertia, 0.2 * inertia, 0.7 * inertia}});
   recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
     return Parameters("transmission_elasticity")
         .set("stiffness_Nm_rad", nu[0] * nu[0] * nu[1])
@@ -317,6 +319,7 @@ Recipe backlash(const Motion& motion) {
   constexpr double kContact_rad_s = 600.0;
   constexpr double kDampingRatio = 0.3;
   Recipe recipe = start("backlash", motion, {});
+  recipe.contains = {"rotor_inertia"};
   recipe.nonlinear = {{.lower = 0.0005, .upper = 0.2}, {.lower = 0.0005, .upper = 5.0}};
   const double inertia = std::max(0.001, motion.inertia);
   recipe.grid = product({{0.004, 0.012, 0.04}, {0.01 * inertia, 0.05 * inertia, 0.2 * inertia}});
@@ -467,9 +470,10 @@ void addKind(std::string_view kind, const Motion& motion, std::span<const int> c
   }
 }
 
-// What muscles and tissue do is looked for where there is a leg.
+// What a leg's muscles and tissue do is looked for where there is a leg. A hand on a linear axis trembles,
+// too.
 bool belongsToPatient(std::string_view kind) {
-  constexpr std::array kKinds{"passive_knee_moment", "spasticity", "tremor"};
+  constexpr std::array kKinds{"passive_knee_moment", "spasticity"};
   return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
 }
 

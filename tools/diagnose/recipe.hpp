@@ -42,6 +42,8 @@ struct Recipe {
   std::vector<std::string> contains;
   /// The torque is nearly proportional to ν[0], so that a first estimate follows from any point of the grid.
   bool proportional = false;
+  /// Driven by the part of the torque that the motion asked for (see Series).
+  bool by_asked_torque = false;
 
   std::size_t coefficients() const noexcept { return nonnegative.size(); }
   std::string label() const { return kind + "@" + std::to_string(joint + 1); }

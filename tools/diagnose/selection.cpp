@@ -21,8 +21,11 @@ constexpr double kNearBest = 0.3;
 constexpr double kNearRival = 0.35;
 /// Effects within this much of −2 log posterior of each other explain the data equally well.
 constexpr double kRivalMargin = 6.0;
+/// An effect that contains another always explains as much. It is a rival only where each parameter that it
+/// has beyond the other explains more than one in twenty would by chance.
+constexpr double kNestedEvidence = 3.84;
 constexpr double kLeastStability = 0.8;
-constexpr double kCrossValidationErrors = 1.5;
+constexpr double kCrossValidationErrors = 1.0;
 /// The same draws for all candidates, so that they are compared under the same luck.
 constexpr std::uint64_t kUnitSeed = 20011;
 constexpr int kRivalReplicates = 99;
@@ -36,10 +39,13 @@ int parameters(const ModelFit& fit) {
   return count;
 }
 
+bool contains(const Recipe& recipe, const Recipe& other) {
+  return other.joint == recipe.joint &&
+         std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
+}
+
 bool contains(const Recipe& recipe, const Term& term) {
-  return !term.declared && term.recipe->joint == recipe.joint &&
-         std::find(recipe.contains.begin(), recipe.contains.end(), term.recipe->kind) !=
-             recipe.contains.end();
+  return !term.declared && contains(recipe, *term.recipe);
 }
 
 // The fit with a candidate added, in place of what it contains.
@@ -155,6 +161,8 @@ class Selector {
         fitter_.data(), current, atoms_.items, atoms_.columns,
         {.replicates = options_.replicates, .seed = options_.seed + 7919 * result_.steps.size()});
     std::vector<Candidate> candidates = rank(atoms_, screening, cost_);
+    std::erase_if(candidates,
+                  [&](const Candidate& candidate) { return isContained(*candidate.atom->recipe); });
     const auto statistic = [cost = cost_](double gain, int dimensions) { return gain - cost * dimensions; };
     std::vector<double> chance = screening.chance(statistic);
     std::sort(chance.begin(), chance.end());
@@ -180,6 +188,12 @@ class Selector {
                      [](const auto& a, const auto& b) { return a.gain > b.gain; });
     result_.steps.push_back(std::move(step));
     return accepted;
+  }
+
+  // A special case of an effect that is there already.
+  bool isContained(const Recipe& recipe) const {
+    return std::any_of(result_.fit.terms.begin(), result_.fit.terms.end(),
+                       [&](const Term& term) { return !term.declared && contains(*term.recipe, recipe); });
   }
 
   // Fits the most promising candidates, the first of the list, and returns the best that no gate refuses.
@@ -292,12 +306,24 @@ class Selector {
         const std::string& label = candidates[i].atom->label;
         if (candidates[i].refused_because != "sign or range" &&
             rivalMargin(candidates[i], smaller) > full_margin - kRivalMargin &&
+            !decidedByNesting(candidates[i], smaller, t) &&
             std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
           rivals.push_back(label);
         }
       }
       result_.evidence[t].rivals = std::move(rivals);
     }
+  }
+
+  // Of two effects of which one contains the other, the information criterion has chosen.
+  bool decidedByNesting(const Candidate& rival, const ModelFit& smaller, std::size_t term) const {
+    const Recipe& own = *result_.fit.terms[term].recipe;
+    if (contains(own, *rival.atom->recipe)) {
+      return true;
+    }
+    const int more = parameters(*rival.fit) - parameters(result_.fit);
+    const double gain = (smaller.objective - rival.fit->objective) / unit_ - result_.evidence[term].gain;
+    return contains(*rival.atom->recipe, own) && gain < kNestedEvidence * more;
   }
 
   // In the unit of what was found, as rivals explain the same part of the data.

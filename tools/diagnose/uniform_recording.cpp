@@ -26,6 +26,8 @@ constexpr double kLongestBridge_samples = 3.0;
 constexpr double kRoundingOfRate = 0.002;
 /// Stamps this near to a uniform grid, in samples, are rounded ones of that grid.
 constexpr double kRoundingOfStamps = 0.02;
+/// Of the rows: with more without a value, it is the recording that is broken and not the bus.
+constexpr double kMostIncomplete = 0.1;
 constexpr double kLowestEmgRate_Hz = 200.0;
 /// Below it a channel holds nothing.
 constexpr double kSilence = 1e-9;
@@ -49,23 +51,32 @@ std::string missingIn(const RawRecording& raw, std::size_t row) {
   return missing;
 }
 
-/// Rows from the first complete one to the last; all between must be complete too.
-Segment completeRows(const RawRecording& raw) {
-  Segment rows{.first = 0, .end = raw.rows()};
-  while (rows.first < rows.end && !missingIn(raw, rows.first).empty()) {
-    ++rows.first;
-  }
-  while (rows.end > rows.first && !missingIn(raw, rows.end - 1).empty()) {
-    --rows.end;
-  }
-  for (std::size_t row = rows.first; row < rows.end; ++row) {
-    const std::string missing = missingIn(raw, row);
-    if (!missing.empty()) {
-      throw FileError(place(raw, row) + ": " + missing +
-                      " has no value, expected one in every row between the first complete row and the last");
+/// Without the rows that lack a value: those at the ends, and lost samples between.
+RawRecording completeRows(const RawRecording& raw) {
+  std::vector<std::size_t> complete;
+  std::size_t first_missing = 0;
+  for (std::size_t row = 0; row < raw.rows(); ++row) {
+    if (missingIn(raw, row).empty()) {
+      complete.push_back(row);
+    } else if (!complete.empty() && first_missing == 0) {
+      first_missing = row;
     }
   }
-  return rows;
+  RawRecording kept = raw;
+  keepRows(kept, complete);
+  if (complete.empty() || first_missing == 0 || first_missing > complete.back()) {
+    return kept;
+  }
+  const std::size_t between = complete.back() - complete.front() + 1;
+  const std::size_t lost = between - complete.size();
+  if (static_cast<double>(lost) > kMostIncomplete * static_cast<double>(between)) {
+    throw FileError(fmt::format(
+        "{}: {} has no value, as in {} of {} rows, expected at most {:.0f} % of rows without",
+        place(raw, first_missing), missingIn(raw, first_missing), lost, between, 100.0 * kMostIncomplete));
+  }
+  kept.warnings.push_back(fmt::format("{} rows without a value were taken as lost, the first at {}", lost,
+                                      place(raw, first_missing)));
+  return kept;
 }
 
 void requireRows(const RawRecording& raw, std::size_t rows, std::size_t fewest) {
@@ -80,9 +91,9 @@ struct Instants {
   std::vector<Segment> rows;
 };
 
-Instants instantsOf(const RawRecording& raw, const Segment& rows) {
+Instants instantsOf(const RawRecording& raw) {
   Instants instants;
-  for (std::size_t row = rows.first; row < rows.end; ++row) {
+  for (std::size_t row = 0; row < raw.rows(); ++row) {
     const double stamp_s = raw.stamp_s[row];
     if (!instants.stamp_s.empty() && stamp_s <= instants.stamp_s.back()) {
       if (stamp_s < instants.stamp_s.back()) {
@@ -289,11 +300,10 @@ void fillEmg(const RawRecording& raw, const Instants& instants, const std::vecto
 Recording makePostures(const RawRecording& raw, Recording recording) {
   const Segment rows{.first = 0, .end = raw.rows()};
   requireRows(raw, rows.end, kFewestPostures);
-  const Segment complete = completeRows(raw);
-  if (complete.first != rows.first || complete.end != rows.end) {
-    const std::size_t row = complete.first != rows.first ? 0 : complete.end;
-    throw FileError(place(raw, row) + ": " + missingIn(raw, row) +
-                    " has no value, expected one in every posture");
+  for (std::size_t row = 0; row < raw.rows(); ++row) {
+    if (const std::string missing = missingIn(raw, row); !missing.empty()) {
+      throw FileError(place(raw, row) + ": " + missing + " has no value, expected one in every posture");
+    }
   }
   recording.rate_Hz = 1.0;
   for (std::size_t i = 0; i < rows.end; ++i) {
@@ -309,21 +319,22 @@ Recording makePostures(const RawRecording& raw, Recording recording) {
 
 }  // namespace
 
-Recording makeUniform(const RawRecording& raw) {
+Recording makeUniform(const RawRecording& recorded) {
   Recording recording;
-  recording.name = raw.name;
-  recording.joints = raw.joints;
-  recording.torque_timing = raw.torque_timing;
-  recording.is_static = raw.is_static;
-  recording.warnings = raw.warnings;
-  if (raw.is_static) {
-    return makePostures(raw, std::move(recording));
+  recording.name = recorded.name;
+  recording.joints = recorded.joints;
+  recording.torque_timing = recorded.torque_timing;
+  recording.is_static = recorded.is_static;
+  if (recorded.is_static) {
+    recording.warnings = recorded.warnings;
+    return makePostures(recorded, std::move(recording));
   }
-  const Segment rows = completeRows(raw);
-  requireRows(raw, rows.end - rows.first, kFewestRows);
-  const Instants instants = instantsOf(raw, rows);
+  const RawRecording raw = completeRows(recorded);
+  recording.warnings = raw.warnings;
+  requireRows(raw, raw.rows(), kFewestRows);
+  const Instants instants = instantsOf(raw);
   requireRows(raw, instants.stamp_s.size(), kFewestRows);
-  if (const std::size_t repeated = rows.end - rows.first - instants.stamp_s.size(); repeated > 0) {
+  if (const std::size_t repeated = raw.rows() - instants.stamp_s.size(); repeated > 0) {
     recording.warnings.push_back(
         fmt::format("{} rows with the time stamp of the row before were averaged with it", repeated));
   }

@@ -116,19 +116,23 @@ TEST_CASE("a gap divides a recording, a short one is bridged") {
   CHECK(warnsOf(recording, "1 gap of up to 0.501 s, the longest at 0.409 s"));
 }
 
-TEST_CASE("incomplete rows at the ends go, one between is refused") {
-  const auto with_hole = [](int hole) {
-    return csv(kHeader, 300, [hole](int i) {
-      return i < 3 || i > 295 || i == hole ? fmt::format("{},,", 0.001 * i) : row(0.001 * i, i);
+TEST_CASE("rows without a value go: at the ends silently, between as lost samples, and not too many") {
+  const auto with_holes = [](int from, int to) {
+    return csv(kHeader, 300, [=](int i) {
+      return i < 3 || i > 295 || (i >= from && i < to) ? fmt::format("{},,", 0.001 * i) : row(0.001 * i, i);
     });
   };
-  const Recording recording = loaded(with_hole(-1));
+  const Recording recording = loaded(with_holes(0, 0));
   CHECK(recording.rows() == 293);
   CHECK(recording.torque_Nm[0].front() == 3.0);
-  CHECK(refusal(with_hole(120)) ==
-        "run.csv:122: position of joint 1 has no value, expected one in every row between the first complete "
-        "row and "
-        "the last");
+  const Recording holed = loaded(with_holes(120, 122));
+  CHECK(holed.rows() == 293);
+  CHECK(holed.segments.size() == 1);
+  CHECK(warnsOf(holed, "2 rows without a value were taken as lost"));
+  CHECK(warnsOf(holed, "2 lost samples were interpolated"));
+  CHECK(refusal(with_holes(100, 140)) ==
+        "run.csv:102: position of joint 1 has no value, as in 40 of 293 rows, expected at most 10 % of rows "
+        "without");
 }
 
 TEST_CASE("what cannot be a recording is refused") {

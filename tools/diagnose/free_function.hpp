@@ -1,0 +1,21 @@
+// Named effects that together bend like any function of one variable, and so name nothing.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/selection.hpp"
+
+namespace patella::diagnose {
+
+struct FreeFunction {
+  std::vector<std::size_t> terms;  ///< of the selection's fit
+  Dependence dependence;           ///< on which variable, and how much of the torque it is
+};
+
+/// On one joint: a ripple of fewer cycles than make a period plain beside another torque of position, which
+/// add up to a hardening spring as well; reflexes against either direction of motion, which add up to a drag.
+std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& selection);
+
+}  // namespace patella::diagnose
