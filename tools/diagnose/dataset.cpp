@@ -45,7 +45,7 @@ Samples actingTorque(Samples torque, TorqueTiming timing) {
 
 Series restingSeries(const Recording& recording, const Segment& segment) {
   Series series{
-      .rate_Hz = 1.0, .states = {}, .acceleration = {}, .slow_acceleration = {}, .asked_torque_Nm = {}};
+      .rate_Hz = 1.0, .states = {}, .acceleration = {}, .asked_acceleration = {}, .asked_torque_Nm = {}};
   for (std::size_t i = segment.first; i < segment.end; ++i) {
     model::EffectInput state;
     state.q.setZero(recording.joints);
@@ -58,7 +58,7 @@ Series restingSeries(const Recording& recording, const Segment& segment) {
     }
     series.states.push_back(state);
     series.acceleration.emplace_back(JointVector::Zero(recording.joints));
-    series.slow_acceleration.emplace_back(JointVector::Zero(recording.joints));
+    series.asked_acceleration.emplace_back(JointVector::Zero(recording.joints));
     series.asked_torque_Nm.emplace_back(JointVector::Zero(recording.joints));
   }
   return series;
@@ -74,7 +74,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
   Series series{.rate_Hz = rate / static_cast<double>(step),
                 .states = {},
                 .acceleration = {},
-                .slow_acceleration = {},
+                .asked_acceleration = {},
                 .asked_torque_Nm = {}};
   std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque, asked;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
@@ -89,8 +89,11 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
     slow[j] = everyNth(offline::zeroPhaseLowPass(acceleration, std::min(0.5 * options.band_Hz, 0.1 * rate),
                                                  rate, kFilterOrder),
                        step);
+    if (options.asked_part) {
+      slow[j] = offline::lineSpectrumPart(slow[j], series.rate_Hz, {.highest_Hz = 0.5 * options.band_Hz});
+    }
     torque[j] = smooth(actingTorque(part(recording.torque_Nm[j], segment), recording.torque_timing));
-    asked[j] = options.asked_torque
+    asked[j] = options.asked_part
                    ? offline::lineSpectrumPart(torque[j], series.rate_Hz, {.highest_Hz = options.band_Hz})
                    : Samples(torque[j].size(), 0.0);
   }
@@ -103,7 +106,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
   for (std::size_t i = 0; i < q[0].size(); ++i) {
     model::EffectInput state;
     JointVector acceleration(recording.joints);
-    JointVector slow_acceleration(recording.joints);
+    JointVector asked_acceleration(recording.joints);
     JointVector asked_torque_Nm(recording.joints);
     state.q.resize(recording.joints);
     state.dq.resize(recording.joints);
@@ -114,7 +117,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
       state.dq[joint] = dq[j][i];
       state.torque_Nm[joint] = torque[j][i];
       acceleration[joint] = ddq[j][i];
-      slow_acceleration[joint] = slow[j][i];
+      asked_acceleration[joint] = slow[j][i];
       asked_torque_Nm[joint] = asked[j][i];
     }
     for (std::size_t channel = 0; channel < activation.size(); ++channel) {
@@ -123,7 +126,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
     state.time_s = recording.time_s[segment.first + i * step];
     series.states.push_back(state);
     series.acceleration.push_back(acceleration);
-    series.slow_acceleration.push_back(slow_acceleration);
+    series.asked_acceleration.push_back(asked_acceleration);
     series.asked_torque_Nm.push_back(asked_torque_Nm);
   }
   return series;

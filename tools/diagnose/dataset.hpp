@@ -21,7 +21,7 @@ struct DatasetOptions {
   double smoothing_Hz = 40.0;         ///< zero-phase, on positions and torques before they are differentiated
   double evaluation_rate_Hz = 500.0;  ///< at most; effects are evaluated at this rate
   double band_Hz = 14.0;              ///< zero-phase, on torques and columns
-  bool asked_torque = false;          ///< have the series' asked torque, too, which takes a while
+  bool asked_part = false;            ///< tell what the motion asked for from the rest, which takes a while
 };
 
 /// The motion's own band: two and a half times the frequency below which 99 % of the power of every joint's
@@ -34,11 +34,11 @@ struct Series {
   double rate_Hz = 0.0;
   std::vector<model::EffectInput> states;  ///< smoothed; torque is what acted at the instant
   std::vector<JointVector> acceleration;   ///< rad/s²
-  /// The same below the band's middle. As a variable on which a residual may depend it has to be free of the
-  /// encoder's noise, which is in the residual too.
-  std::vector<JointVector> slow_acceleration;
-  /// The sinusoids in the torque, which the motion asked for. A controller answers a person's push, so that
-  /// the rest of the torque goes with what no model explains. Zero unless it was ordered.
+  /// A person's push moves the leg and is answered by the controller, so that motion and torque go with what
+  /// no model explains. The sinusoids in them do not: they are what was asked for. Of the acceleration,
+  /// rad/s², as a variable on which a residual may depend, and of the torque. Without `asked_part` the
+  /// acceleration below the band's middle, and no torque.
+  std::vector<JointVector> asked_acceleration;
   std::vector<JointVector> asked_torque_Nm;
 };
 

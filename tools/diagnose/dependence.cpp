@@ -36,7 +36,7 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
     return all;
   }
   state("dq", [](const Series& s, std::size_t i) { return s.states[i].dq; });
-  state("ddq", [](const Series& s, std::size_t i) { return s.slow_acceleration[i]; });
+  state("ddq", [](const Series& s, std::size_t i) { return s.asked_acceleration[i]; });
   all.push_back({.name = "time",
                  .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
                  .factor = {}});
@@ -58,7 +58,7 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
     }
   }
   for (int j = 0; j < data.joints(); ++j) {
-    const Value acceleration = [=](const Series& s, std::size_t i) { return s.slow_acceleration[i][j]; };
+    const Value acceleration = [=](const Series& s, std::size_t i) { return s.asked_acceleration[i][j]; };
     const Value velocity = [=](const Series& s, std::size_t i) { return s.states[i].dq[j]; };
     const Value position = [=](const Series& s, std::size_t i) { return s.states[i].q[j]; };
     const Value time = [](const Series& s, std::size_t i) { return s.states[i].time_s; };
@@ -141,7 +141,7 @@ Eigen::MatrixXd slowAccelerations(const Dataset& data) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * data.joints());
   for (int of = 0; of < data.joints(); ++of) {
     const Eigen::VectorXd slow =
-        data.variable([=](const Series& s, std::size_t i) { return s.slow_acceleration[i][of]; });
+        data.variable([=](const Series& s, std::size_t i) { return s.asked_acceleration[i][of]; });
     for (int on = 0; on < data.joints(); ++on) {
       columns.col(of * data.joints() + on).segment(on * data.rows(), data.rows()) = slow;
     }

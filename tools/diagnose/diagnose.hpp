@@ -14,6 +14,14 @@
 
 namespace patella::diagnose {
 
+/// What a step of the search has to pass; one is left out to see what it is good for.
+struct Gates {
+  bool chance = true;            ///< family-wise p of a parametric bootstrap
+  bool cross_validation = true;  ///< gain on folds that were not fitted
+  bool stability = true;         ///< gain on most block bootstraps
+  bool heldout = true;           ///< smaller error on the held-out part
+};
+
 struct DiagnoseOptions {
   std::vector<std::string> effects;  ///< kinds to consider; empty: the whole library
   double holdout_fraction = 0.3;     ///< the last part of each recording, where no holdout recording is given
@@ -22,6 +30,7 @@ struct DiagnoseOptions {
   /// Standard deviation, relative, by which the nominal masses, centres of mass and inertias may be wrong.
   double nominal_tolerance = 0.10;
   double family_wise_p = 0.005;  ///< a step is accepted below this
+  Gates gates;
   /// Called from the diagnosing thread at each stage and in between; fraction 0…1 of the stage.
   std::function<void(std::string_view stage, double fraction)> progress;
 };

@@ -25,7 +25,7 @@ constexpr double kRivalMargin = 6.0;
 /// has beyond the other explains more than one in twenty would by chance.
 constexpr double kNestedEvidence = 3.84;
 constexpr double kLeastStability = 0.8;
-constexpr double kCrossValidationErrors = 1.0;
+constexpr double kCrossValidationErrors = 1.5;
 /// The same draws for all candidates, so that they are compared under the same luck.
 constexpr std::uint64_t kUnitSeed = 20011;
 constexpr int kRivalReplicates = 99;
@@ -220,16 +220,16 @@ class Selector {
   }
 
   std::string gate(const Candidate& candidate, double p_value) const {
-    if (options_.gate_chance && p_value >= options_.family_wise_p) {
+    if (options_.gates.chance && p_value >= options_.family_wise_p) {
       return "chance";
     }
-    if (options_.gate_cross_validation) {
+    if (options_.gates.cross_validation) {
       const CrossValidation validated = crossValidate(result_.fit, *candidate.fit);
       if (validated.gain <= kCrossValidationErrors * validated.standard_error) {
         return "cross-validation";
       }
     }
-    if (options_.gate_stability &&
+    if (options_.gates.stability &&
         stability(result_.fit, *candidate.fit, candidate.unit * (candidate.gain - candidate.margin),
                   options_.seed) < kLeastStability) {
       return "stability";
@@ -349,6 +349,16 @@ double parameterCost(const ModelFit& fit) {
 Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
                  const SelectionOptions& options) {
   return Selector(fitter, atoms, nominal, options).run();
+}
+
+Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term) {
+  Selection smaller = selection;
+  const auto place = static_cast<std::ptrdiff_t>(term);
+  smaller.fit.terms.erase(smaller.fit.terms.begin() + place);
+  smaller.evidence.erase(smaller.evidence.begin() + place);
+  const auto weighting = smaller.fit.weighting;
+  smaller.fit = fitter.fit(std::move(smaller.fit), *weighting);
+  return smaller;
 }
 
 std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& all_covariance,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/diagnosis.hpp"
 #include "tools/diagnose/model_fit.hpp"
 #include "tools/diagnose/search.hpp"
@@ -17,9 +18,7 @@ struct SelectionOptions {
   double family_wise_p = 0.01;
   std::uint64_t seed = 1;
   int most_effects = 5;
-  bool gate_chance = true;  ///< family-wise p of a parametric bootstrap
-  bool gate_cross_validation = true;
-  bool gate_stability = true;
+  Gates gates;
   std::function<void(double fraction)> progress;
 };
 
@@ -38,6 +37,9 @@ struct Selection {
 
 Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
                  const SelectionOptions& options);
+
+/// The selection fitted again without one of its terms.
+Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term);
 
 /// What a parameter costs in −2 log-likelihood (Bayesian information criterion).
 double parameterCost(const ModelFit& fit);

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -34,6 +35,7 @@ struct Options {
   unsigned threads = 2;
   std::filesystem::path out;
   int replicates = diagnose::DiagnoseOptions{}.bootstrap_replicates;
+  std::vector<std::string> without;  ///< gates
   bool recordings = false;
   bool draw_only = false;
   Wish wish;
@@ -67,6 +69,19 @@ Suite suiteOf(const std::string& name, std::size_t index) {
     }
   }
   return Suite::kUnknown;
+}
+
+constexpr std::array kGates{std::pair{"chance", &diagnose::Gates::chance},
+                            std::pair{"cross-validation", &diagnose::Gates::cross_validation},
+                            std::pair{"stability", &diagnose::Gates::stability},
+                            std::pair{"held-out", &diagnose::Gates::heldout}};
+
+diagnose::Gates gatesWithout(const std::vector<std::string>& names) {
+  diagnose::Gates gates;
+  for (const auto& [name, gate] : kGates) {
+    gates.*gate = std::find(names.begin(), names.end(), name) == names.end();
+  }
+  return gates;
 }
 
 double secondsSince(Clock::time_point start) {
@@ -108,6 +123,7 @@ CaseResult runCase(const Options& options, std::size_t index) {
     diagnose::DiagnoseOptions how;
     how.seed = drawn.seed;
     how.bootstrap_replicates = options.replicates;
+    how.gates = gatesWithout(options.without);
     result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
     result.diagnosis.curves.clear();
     result.score = score(result.truth, result.diagnosis);
@@ -219,6 +235,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--out", options.out, "folder for results.csv, which grows with the cases, and pictures");
+  app.add_option("--without", options.without, "gates of the decision to leave open")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"chance", "cross-validation", "stability", "held-out"}));
   app.add_option("--replicates", options.replicates, "of the bootstrap")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
