@@ -14,6 +14,7 @@
 #include "tools/diagnose/drive_timing.hpp"
 #include "tools/diagnose/excitation.hpp"
 #include "tools/diagnose/free_function.hpp"
+#include "tools/diagnose/gates.hpp"
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/simulation_error.hpp"
@@ -84,6 +85,13 @@ std::string separatingMotion(std::string_view kind) {
 
 double rms(const Eigen::VectorXd& column, int joint, Eigen::Index rows) {
   return std::sqrt(column.segment(joint * rows, rows).squaredNorm() / static_cast<double>(rows));
+}
+
+// The first, with each deviation raised to that of the second where it is smaller.
+Eigen::MatrixXd wider(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& other) {
+  const Eigen::VectorXd factor =
+      (other.diagonal().array() / covariance.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return factor.asDiagonal() * covariance * factor.asDiagonal();
 }
 
 struct ResidualOf {
@@ -243,6 +251,7 @@ class Procedure {
   // nothing, as a tremor whose phase wanders.
   void dropWhatDoesNotHold(ModelFitter& fitter, Selection& selection) {
     constexpr double kSmaller = 0.998;
+    constexpr double kMoved = 4.0;  // squared standard deviations
     while (heldout_ && options_.gates.heldout) {
       double least = kSmaller * heldoutError(fitter.describe(selection.fit));
       std::optional<Selection> best;
@@ -252,8 +261,11 @@ class Procedure {
           continue;
         }
         Selection smaller = withoutTerm(fitter, selection, t);
+        const double moved =
+            (smaller.fit.prior_residual.squaredNorm() - selection.fit.prior_residual.squaredNorm()) /
+            std::pow(smaller.fit.prior_scale, 2);
         const double error = heldoutError(fitter.describe(smaller.fit));
-        if (error < least) {
+        if (error < least && moved < kMoved) {
           least = error;
           best = std::move(smaller);
           dropped = selection.fit.terms[t].recipe->label();
@@ -272,8 +284,9 @@ class Procedure {
               const DependenceTest& dependence) {
     result_.steps = selection.steps;
     result_.unexplained = dependence.found;
-    const Eigen::MatrixXd covariance =
-        parameterCovariance(*train_, selection.fit, options_.bootstrap_replicates, options_.seed + 15485863);
+    const Eigen::MatrixXd covariance = wider(
+        parameterCovariance(*train_, selection.fit, options_.bootstrap_replicates, options_.seed + 15485863),
+        jackknifeCovariance(selection.fit));
     const std::vector<FreeFunction> free = freeFunctions(*train_, selection);
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
       const Term& term = selection.fit.terms[t];

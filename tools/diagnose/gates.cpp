@@ -119,4 +119,16 @@ double stability(const ModelFit& smaller, const ModelFit& larger, double cost, s
   return static_cast<double>(kept) / kBootstraps;
 }
 
+Eigen::MatrixXd jackknifeCovariance(const ModelFit& fit) {
+  const Linearised blocks = linearised(fit, *fit.weighting, kBootstrapBlocks);
+  Eigen::MatrixXd left_out(fit.tangent.cols(), kBootstrapBlocks);
+  for (int b = 0; b < kBootstrapBlocks; ++b) {
+    std::vector<double> weight(kBootstrapBlocks, 1.0);
+    weight[static_cast<std::size_t>(b)] = 0.0;
+    left_out.col(b) = solution(blocks, weight);
+  }
+  const Eigen::MatrixXd spread = left_out.colwise() - left_out.rowwise().mean().eval();
+  return spread * spread.transpose() * ((kBootstrapBlocks - 1.0) / kBootstrapBlocks);
+}
+
 }  // namespace patella::diagnose

@@ -18,4 +18,8 @@ CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger);
 /// Share of block bootstraps in which the larger model gains more than `cost`.
 double stability(const ModelFit& smaller, const ModelFit& larger, double cost, std::uint64_t seed);
 
+/// Covariance of a fit's parameters from leaving out one block of time after another (jackknife): it also
+/// holds what the noise model does not know, such as an effect that is not quite of its equation's shape.
+Eigen::MatrixXd jackknifeCovariance(const ModelFit& fit);
+
 }  // namespace patella::diagnose
