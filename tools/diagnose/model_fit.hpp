@@ -45,7 +45,7 @@ struct ModelFit {
 
 struct FitOptions {
   double nominal_tolerance = 0.10;
-  double declared_tolerance = 0.20;
+  double declared_tolerance = 0.10;
   int rounds = 2;  ///< estimates of the noise's scale and of the parameters in turn
 };
 

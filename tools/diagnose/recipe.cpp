@@ -256,7 +256,7 @@ double coarsestRipple(const Motion& motion) {
 }
 
 double finestRipple(const Motion& motion) {
-  return std::min(60.0, motion.band_Hz / (2.0 * motion.velocity_rms));
+  return std::min(60.0, motion.band_Hz / (1.2 * motion.velocity_rms));
 }
 
 bool rippleFits(const Motion& motion) {

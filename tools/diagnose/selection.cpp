@@ -190,10 +190,12 @@ class Selector {
     return accepted;
   }
 
-  // A special case of an effect that is there already.
+  // There already, or a special case of what is there.
   bool isContained(const Recipe& recipe) const {
-    return std::any_of(result_.fit.terms.begin(), result_.fit.terms.end(),
-                       [&](const Term& term) { return !term.declared && contains(*term.recipe, recipe); });
+    return std::any_of(result_.fit.terms.begin(), result_.fit.terms.end(), [&](const Term& term) {
+      return !term.declared && (term.recipe.get() == &recipe ||
+                                (contains(*term.recipe, recipe) && !contains(recipe, *term.recipe)));
+    });
   }
 
   // Fits the most promising candidates, the first of the list, and returns the best that no gate refuses.
