@@ -14,6 +14,7 @@
 #include "tools/diagnose/drive_timing.hpp"
 #include "tools/diagnose/excitation.hpp"
 #include "tools/diagnose/free_function.hpp"
+#include "tools/diagnose/friction_smoothing.hpp"
 #include "tools/diagnose/gates.hpp"
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
@@ -205,7 +206,8 @@ class Procedure {
     const ModelFit nominal = fitter.nominal();
     const std::vector<std::string> kinds = consideredKinds(options_);
     const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model_.mechanism);
-    auto considered = recipes(*train_, app::makeModel(model_).mechanism(), kinds, channels_, leg);
+    auto considered = recipes(*train_, app::makeModel(model_).mechanism(), kinds, channels_,
+                              frictionSmoothing(fitter, nominal, options_.seed), leg);
     std::erase_if(considered, [this](const auto& recipe) {
       return !signals_[static_cast<std::size_t>(recipe->joint)].moves;
     });
@@ -485,7 +487,6 @@ class Procedure {
   }
 
   void addCurves() {
-    keepOnlyWhatHolds();
     result_.simulation_window_s = kSimulationWindow_s;
     result_.curves_rate_Hz = train_->rate_Hz();
     appendCurves(*train_, model_, result_.extended, false, result_.curves);

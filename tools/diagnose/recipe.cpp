@@ -25,7 +25,8 @@ struct Motion {
   double torque_rms = 0.0;
   double duration_s = 0.0;
   double band_Hz = 0.0;
-  double inertia = 0.0;  ///< mean of the joint's own, kg·m²
+  double inertia = 0.0;          ///< mean of the joint's own, kg·m²
+  double smoothing_rad_s = 0.0;  ///< of its dry friction
 };
 
 Motion motionOf(const Dataset& data, const model::Mechanism& mechanism, int joint) {
@@ -84,8 +85,6 @@ class Parameters {
 };
 
 constexpr const char* kSmoothing = "smoothing_velocity_rad_s";
-/// Shares of the joint's velocity: below it, dry friction is taken as not yet fully there.
-constexpr double kSmoothingShare = 0.002;
 
 // Most effects: the torque of one coefficient alone is the basis. It is taken at a strength that is within
 // the range of every effect, and scaled.
@@ -101,6 +100,14 @@ std::vector<std::vector<BasisTerm>> unitBasis(const Recipe& recipe, Numbers nu) 
     bases.push_back({{.weight = 1.0 / kProbe, .parameters = recipe.parameters(probe, nu)}});
   }
   return bases;
+}
+
+std::shared_ptr<const Recipe> finished(Recipe recipe) {
+  if (!recipe.basis) {
+    // By value: the basis of units needs nothing but the recipe's own parameters.
+    recipe.basis = [copy = recipe](Numbers nu) { return unitBasis(copy, nu); };
+  }
+  return std::make_shared<const Recipe>(std::move(recipe));
 }
 
 std::vector<std::vector<double>> product(const std::vector<std::vector<double>>& axes) {
@@ -413,7 +420,7 @@ Recipe passiveKneeMoment(const Motion& motion) {
 
 void addKind(std::string_view kind, const Motion& motion, std::span<const int> channels,
              std::vector<Recipe>& all) {
-  const double smoothing = std::max(1e-4, kSmoothingShare * motion.velocity_rms);
+  const double smoothing = motion.smoothing_rad_s;
   const bool timed = motion.duration_s > 0.0;
   if (kind == "viscous_friction") {
     all.push_back(single("viscous_friction", motion, "coefficient_Nms_rad", true));
@@ -487,11 +494,13 @@ bool showsAtRest(std::string_view kind) {
 
 std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
                                                    std::span<const std::string> kinds,
-                                                   std::span<const int> channels, bool leg) {
+                                                   std::span<const int> channels,
+                                                   std::span<const double> smoothing_rad_s, bool leg) {
   constexpr double kAtRest = 1e-4;
   std::vector<Recipe> all;
   for (int joint = 0; joint < data.joints(); ++joint) {
-    const Motion motion = motionOf(data, mechanism, joint);
+    Motion motion = motionOf(data, mechanism, joint);
+    motion.smoothing_rad_s = smoothing_rad_s[static_cast<std::size_t>(joint)];
     for (const std::string& kind : kinds) {
       // The knee is the last joint, whether the hip is one or not.
       if (kind == "passive_knee_moment" && joint + 1 != data.joints()) {
@@ -505,13 +514,15 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const mo
   }
   std::vector<std::shared_ptr<const Recipe>> shared;
   for (Recipe& recipe : all) {
-    if (!recipe.basis) {
-      // By value: the basis of units needs nothing but the recipe's own parameters.
-      recipe.basis = [copy = recipe](Numbers nu) { return unitBasis(copy, nu); };
-    }
-    shared.push_back(std::make_shared<const Recipe>(std::move(recipe)));
+    shared.push_back(finished(std::move(recipe)));
   }
   return shared;
+}
+
+std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s) {
+  Recipe recipe = single("coulomb_friction", {.joint = joint}, "level_Nm", true, smoothing_rad_s);
+  recipe.variant = fmt::format("turning round at {} rad/s", smoothing_rad_s);
+  return finished(std::move(recipe));
 }
 
 std::string_view betrayingVariable(std::string_view kind) noexcept {

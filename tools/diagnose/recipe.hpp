@@ -50,10 +50,15 @@ struct Recipe {
 };
 
 /// Recipes of the named kinds for every joint that moves, scaled to the motion in the data. `channels`: EMG
-/// channels that were recorded; `leg`: the mechanism may carry a patient's, whose muscles and tissue count.
+/// channels that were recorded; `smoothing_rad_s`: of each joint's dry friction; `leg`: the mechanism may
+/// carry a patient's, whose muscles and tissue count.
 std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
                                                    std::span<const std::string> kinds,
-                                                   std::span<const int> channels, bool leg);
+                                                   std::span<const int> channels,
+                                                   std::span<const double> smoothing_rad_s, bool leg);
+
+/// Coulomb friction alone, at this smoothing velocity.
+std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s);
 
 /// The variable on which an effect shows: "q", "dq", "ddq", "tau", "time" or "activation".
 std::string_view betrayingVariable(std::string_view kind) noexcept;
