@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <ostream>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -22,7 +26,42 @@ std::string effectLine(const EffectFinding& effect, const Units& units) {
   for (std::size_t i = 0; i < effect.indistinguishable_from.size(); ++i) {
     line += (i == 0 ? "; or " : ", ") + effectWords(effect.indistinguishable_from[i]);
   }
+  for (std::size_t i = 0; i < effect.replaces.size(); ++i) {
+    line += (i == 0 ? "; in place of the declared " : " and ") + effectWords(effect.replaces[i]);
+  }
   return line;
+}
+
+// What would have explained as much as what was accepted, or more than chance where nothing was, but for its
+// sign: each kind once, where it would have explained most.
+std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
+  std::map<std::string, std::pair<double, std::string>> refused;
+  for (std::size_t number = 0; number < diagnosis.steps.size(); ++number) {
+    const SelectionStep& step = diagnosis.steps[number];
+    double accepted = 0.0;
+    for (const CandidateScore& score : step.ranking) {
+      accepted = score.accepted ? score.gain : accepted;
+    }
+    for (const CandidateScore& score : step.ranking) {
+      constexpr std::string_view kSign = "sign: ";
+      constexpr double kComparable = 0.5;
+      auto& known = refused[score.label];
+      if (score.refused_because.starts_with(kSign) && score.gain > known.first &&
+          score.gain > score.threshold && score.gain > kComparable * accepted) {
+        known = {score.gain,
+                 fmt::format("  refused for its sign: {} ({} would be negative; {:.0f} nats in step {})",
+                             effectWords(score.label), score.refused_because.substr(kSign.size()), score.gain,
+                             number + 1)};
+      }
+    }
+  }
+  std::vector<std::string> lines;
+  for (auto& [label, entry] : refused) {
+    if (!entry.second.empty()) {
+      lines.push_back(std::move(entry.second));
+    }
+  }
+  return lines;
 }
 
 std::string numberAt(const std::vector<double>& values, std::size_t joint) {
@@ -50,6 +89,9 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
   }
   if (diagnosis.effects.size() > shown) {
     out << "  and " << diagnosis.effects.size() - shown << " more\n";
+  }
+  for (const std::string& line : refusedLines(diagnosis)) {
+    out << line << "\n";
   }
   for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
     out << errorLine(diagnosis, joint) << "\n";

@@ -29,10 +29,17 @@ ColumnSource readSource(const TomlTable& table, bool may_be_constant) {
   return source;
 }
 
-JointColumns readJoint(const TomlTable& table) {
+// At rest a joint may be without a torque: where it stands is all that is known of it.
+JointColumns readJoint(const TomlTable& table, bool at_rest) {
   JointColumns joint{.position_rad = readSource(table.table("position"), true),
-                     .torque_Nm = readSource(table.table("torque"), true),
+                     .torque_Nm = {},
                      .commanded_Nm = std::nullopt};
+  const TomlTable torque = table.optionalTable("torque");
+  if (torque.present()) {
+    joint.torque_Nm = readSource(torque, true);
+  } else if (!at_rest) {
+    throw table.error("torque", "is missing, expected a table with a column");
+  }
   const TomlTable commanded = table.optionalTable("commanded");
   if (commanded.present()) {
     joint.commanded_Nm = readSource(commanded, false);
@@ -109,7 +116,7 @@ ColumnMap parseColumnMap(std::string_view text, const std::string& name) {
   map.delimiter = delimiter == "comma" ? ',' : delimiter == "semicolon" ? ';' : '\t';
   readTime(recording, map);
   for (const TomlTable& table : root.tables("joint")) {
-    map.joints.push_back(readJoint(table));
+    map.joints.push_back(readJoint(table, map.is_static));
   }
   if (map.joints.empty() || map.joints.size() > kMaxJoints) {
     throw root.error("joint", std::to_string(map.joints.size()) +

@@ -42,20 +42,6 @@ std::vector<std::size_t> recordingsOf(const Dataset& data) {
   return all;
 }
 
-// How far each parameter is from what was known of it beforehand.
-Eigen::VectorXd priorOffsets(const ModelFit& fit) {
-  Eigen::VectorXd offsets = Eigen::VectorXd::Zero(fit.prior_weight.size());
-  for (std::size_t i = 0; i < fit.mechanism.size(); ++i) {
-    offsets[static_cast<Eigen::Index>(i)] = fit.mechanism[i];
-  }
-  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
-    for (std::size_t i = 0; i < fit.terms[t].prior_c.size(); ++i) {
-      offsets[fit.offset[t] + static_cast<Eigen::Index>(i)] = fit.terms[t].c[i] - fit.terms[t].prior_c[i];
-    }
-  }
-  return offsets;
-}
-
 struct Local {
   Eigen::VectorXd step;       // from the common fit
   Eigen::VectorXd deviation;  // standard
@@ -75,7 +61,7 @@ Local localFit(const Dataset& data, const ModelFit& fit, std::size_t recording) 
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())) *
       scale.asDiagonal();
-  const Eigen::VectorXd right = slope.transpose() * error - prior.cwiseProduct(priorOffsets(fit));
+  const Eigen::VectorXd right = slope.transpose() * error + fit.prior_weight.cwiseProduct(fit.prior_residual);
   return {.step = inverse * right,
           .deviation = fit.prior_scale * inverse.diagonal().cwiseMax(0.0).cwiseSqrt()};
 }

@@ -342,6 +342,26 @@ Eigen::VectorXd Dataset::variable(const std::function<double(const Series&, std:
   return result;
 }
 
+// Postures have no order in time, and often one in angle: the last of them would be one end of the range. So
+// runs of neighbours are held out, spread over the whole.
+void splitPostures(const Segment& segment, double heldout_fraction, std::vector<Segment>& train,
+                   std::vector<Segment>& heldout) {
+  constexpr std::size_t kNeighbours = 5;
+  const auto share = [&](std::size_t row) {
+    return std::floor(heldout_fraction * static_cast<double>(row / kNeighbours + 1)) >
+           std::floor(heldout_fraction * static_cast<double>(row / kNeighbours));
+  };
+  for (std::size_t first = segment.first; first < segment.end;) {
+    const bool out = share(first - segment.first);
+    std::size_t end = first;
+    while (end < segment.end && share(end - segment.first) == out) {
+      ++end;
+    }
+    (out ? heldout : train).push_back({first, end});
+    first = end;
+  }
+}
+
 SplitRecordings split(std::span<const Recording> recordings, double heldout_fraction) {
   SplitRecordings parts;
   for (const Recording& recording : recordings) {
@@ -350,9 +370,13 @@ SplitRecordings split(std::span<const Recording> recordings, double heldout_frac
     train.segments.clear();
     heldout.segments.clear();
     for (const Segment& segment : recording.segments) {
+      if (recording.is_static) {
+        splitPostures(segment, heldout_fraction, train.segments, heldout.segments);
+        continue;
+      }
       const auto length = static_cast<double>(segment.end - segment.first);
       const auto cut = segment.first + static_cast<std::size_t>((1.0 - heldout_fraction) * length);
-      const double shortest = recording.is_static ? 1.0 : Dataset::kShortest_s * recording.rate_Hz;
+      const double shortest = Dataset::kShortest_s * recording.rate_Hz;
       if (heldout_fraction * length < shortest || (1.0 - heldout_fraction) * length < shortest) {
         train.segments.push_back(segment);
       } else {

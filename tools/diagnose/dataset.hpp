@@ -103,7 +103,7 @@ class Dataset {
 };
 
 /// The same recordings cut in two: all but the last `fraction` of each stretch, and that. A stretch whose
-/// parts would be too short stays whole in the first.
+/// parts would be too short stays whole in the first. Of postures at rest every few are held out.
 struct SplitRecordings {
   std::vector<Recording> train;
   std::vector<Recording> heldout;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -16,6 +17,7 @@
 #include "tools/diagnose/free_function.hpp"
 #include "tools/diagnose/friction_smoothing.hpp"
 #include "tools/diagnose/gates.hpp"
+#include "tools/diagnose/late_drive.hpp"
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/simulation_error.hpp"
@@ -25,8 +27,9 @@ namespace patella::diagnose {
 namespace {
 
 constexpr double kSimulationWindow_s = 0.5;
-/// Share of all that was explained which a smooth function may still find behind the named effects, before
-/// what was found is called unknown.
+/// Share of all that was explained, in likelihood and in torque, which a smooth function may still find
+/// behind the named effects, before what was found is called unknown. Likelihood alone would call any misfit
+/// of a recording without noise unknown.
 constexpr double kUnknownShare = 0.05;
 
 std::vector<std::string> consideredKinds(const DiagnoseOptions& options) {
@@ -60,8 +63,15 @@ std::vector<int> recordedChannels(std::span<const Recording> recordings) {
   return channels;
 }
 
+/// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
+constexpr double kContradicted = 9.0;
+
 /// Below this a line in the spectrum counts as tremor.
 constexpr double kTremorP = 1e-6;
+
+bool isTiming(std::string_view kind) {
+  return kind == "actuator_delay" || kind == "actuator_lag";
+}
 
 std::string separatingMotion(std::string_view kind) {
   const std::string_view variable = betrayingVariable(kind);
@@ -165,16 +175,16 @@ class Procedure {
   Procedure(std::span<const Recording> recordings, std::span<const Recording> holdout,
             const app::ModelDescription& model, const DiagnoseOptions& options)
       : model_(model), options_(options), channels_(recordedChannels(recordings)) {
-    const SplitRecordings parts = split(recordings, holdout.empty() ? options.holdout_fraction : 0.0);
-    const DatasetOptions dataset_options{.band_Hz = motionBand_Hz(parts.train)};
+    parts_ = split(recordings, holdout.empty() ? options.holdout_fraction : 0.0);
+    const DatasetOptions dataset_options{.band_Hz = motionBand_Hz(parts_.train)};
     DatasetOptions train_options = dataset_options;
     train_options.asked_part = true;
-    train_.emplace(parts.train, train_options);
-    wide_.emplace(parts.train, DatasetOptions{});
+    train_.emplace(parts_.train, train_options);
+    wide_.emplace(parts_.train, DatasetOptions{});
     if (!holdout.empty()) {
       heldout_.emplace(holdout, dataset_options);
-    } else if (!parts.heldout.empty()) {
-      heldout_.emplace(parts.heldout, dataset_options);
+    } else if (!parts_.heldout.empty()) {
+      heldout_.emplace(parts_.heldout, dataset_options);
     }
     result_.seed = options.seed;
     if (std::holds_alternative<model::PrismaticJointParameters>(model.mechanism)) {
@@ -200,37 +210,21 @@ class Procedure {
     if (const std::string reason = obstacle(signals_, *train_, model_); !reason.empty()) {
       return undecided(reason);
     }
-    report("columns", 0.0);
-    ModelFitter fitter(*train_, model_, {.nominal_tolerance = options_.nominal_tolerance});
-    fitter.setRedundancy(redundancy(*train_, fitter.nominal(), options_.seed));
-    const ModelFit nominal = fitter.nominal();
-    const std::vector<std::string> kinds = consideredKinds(options_);
-    const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model_.mechanism);
-    auto considered = recipes(*train_, app::makeModel(model_).mechanism(), kinds, channels_,
-                              frictionSmoothing(fitter, nominal, options_.seed), leg);
-    std::erase_if(considered, [this](const auto& recipe) {
-      return !signals_[static_cast<std::size_t>(recipe->joint)].moves;
-    });
-    const Atoms atoms = recipeAtoms(fitter, considered);
-
-    report("search", 0.0);
-    Selection selection = select(fitter, atoms, nominal,
-                                 {.replicates = options_.bootstrap_replicates,
-                                  .family_wise_p = options_.family_wise_p,
-                                  .seed = options_.seed,
-                                  .gates = options_.gates,
-                                  .progress = [this](double fraction) { report("search", fraction); }});
-    dropWhatDoesNotHold(fitter, selection);
+    Search first = search(model_, {});
+    findLate(first);
+    // Time base first: with the drives' delays known, what is missing is looked for anew.
+    Search& last = late_.empty() ? first : again_.emplace(search(withLate(), lateJoints()));
+    dropWhatDoesNotHold(*last.fitter, last.selection);
     report("unexplained", 0.0);
     // Half the level: a recording that lacks nothing has two ways to be called otherwise.
     const DependenceTest dependence =
-        testDependence(*train_, selection.fit, channels_, options_.bootstrap_replicates,
+        testDependence(*train_, last.selection.fit, channels_, options_.bootstrap_replicates,
                        0.5 * options_.family_wise_p, options_.seed + 104729);
-    decide(fitter, nominal, selection, dependence);
-    compareRecordings(selection.fit);
-    judgeExcitation(signals_, *train_, selection.fit, atoms, options_.nominal_tolerance, result_);
+    decide(*last.fitter, first.nominal, last.selection, dependence);
+    compareRecordings(last.selection.fit);
+    judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);
     report("errors", 0.0);
-    measure(fitter, nominal, selection);
+    measure(first, last);
     if (result_.explanation.empty()) {
       explain();
     }
@@ -238,6 +232,99 @@ class Procedure {
   }
 
  private:
+  /// A search for what one model lacks.
+  struct Search {
+    std::unique_ptr<ModelFitter> fitter;
+    ModelFit nominal;
+    Atoms atoms;
+    Selection selection;
+  };
+
+  Search search(const app::ModelDescription& model, std::span<const int> timed_joints) {
+    report("columns", 0.0);
+    Search search{.fitter = std::make_unique<ModelFitter>(*train_, model, fitOptions()),
+                  .nominal = {},
+                  .atoms = {},
+                  .selection = {}};
+    search.fitter->setRedundancy(redundancy(*train_, search.fitter->nominal(), options_.seed));
+    search.nominal = search.fitter->nominal();
+    const std::vector<std::string> kinds = consideredKinds(options_);
+    const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
+    auto considered = recipes(*train_, app::makeModel(model).mechanism(), kinds, channels_,
+                              frictionSmoothing(*search.fitter, search.nominal, options_.seed), leg);
+    std::erase_if(considered, [&](const auto& recipe) {
+      const bool timed =
+          std::find(timed_joints.begin(), timed_joints.end(), recipe->joint) != timed_joints.end();
+      return !signals_[static_cast<std::size_t>(recipe->joint)].moves || (timed && isTiming(recipe->kind));
+    });
+    search.atoms = recipeAtoms(*search.fitter, considered);
+    report("search", 0.0);
+    SelectionOptions selection = selectionOptions();
+    selection.progress = [this](double fraction) { report("search", fraction); };
+    search.selection = select(*search.fitter, search.atoms, search.nominal, selection);
+    return search;
+  }
+
+  FitOptions fitOptions() const { return {.nominal_tolerance = options_.nominal_tolerance}; }
+
+  SelectionOptions selectionOptions() const {
+    return {.replicates = options_.bootstrap_replicates,
+            .family_wise_p = options_.family_wise_p,
+            .seed = options_.seed,
+            .gates = options_.gates,
+            .progress = {}};
+  }
+
+  // On joints whose drive the first search has not timed already.
+  void findLate(const Search& first) {
+    std::vector<int> joints;
+    for (int joint = 0; joint < train_->joints(); ++joint) {
+      const auto& terms = first.selection.fit.terms;
+      if (signals_[static_cast<std::size_t>(joint)].moves &&
+          std::none_of(terms.begin(), terms.end(), [&](const Term& term) {
+            return term.recipe->joint == joint && isTiming(term.recipe->kind);
+          })) {
+        joints.push_back(joint);
+      }
+    }
+    if (considersTiming()) {
+      late_ = findLateDrives(parts_.train, first.fitter->describe(first.selection.fit), joints, fitOptions(),
+                             selectionOptions());
+    }
+    std::erase_if(late_, [&](const LateDrive& late) { return !slowMotionAgrees(late, first); });
+  }
+
+  // A drive is as late in slow motion as in fast, where vibration of the structure may pass for a delay.
+  bool slowMotionAgrees(const LateDrive& late, const Search& first) const {
+    app::ModelDescription model = model_;
+    model.effects.push_back(late.effect);
+    ModelFitter fitter(*train_, model, fitOptions());
+    const ModelFit& fit = first.selection.fit;
+    const double spoken_against = fitter.fit(fit, *fit.weighting).objective - fit.objective;
+    return spoken_against < kContradicted * fit.prior_scale * fit.prior_scale;
+  }
+
+  bool considersTiming() const {
+    return options_.effects.empty() || std::any_of(options_.effects.begin(), options_.effects.end(),
+                                                   [](const std::string& kind) { return isTiming(kind); });
+  }
+
+  app::ModelDescription withLate() const {
+    app::ModelDescription model = model_;
+    for (const LateDrive& late : late_) {
+      model.effects.push_back(late.effect);
+    }
+    return model;
+  }
+
+  std::vector<int> lateJoints() const {
+    std::vector<int> joints;
+    for (const LateDrive& late : late_) {
+      joints.push_back(late.effect.joint);
+    }
+    return joints;
+  }
+
   void report(std::string_view stage, double fraction) const {
     if (options_.progress) {
       options_.progress(stage, fraction);
@@ -295,32 +382,30 @@ class Procedure {
       if (term.declared) {
         continue;
       }
-      const Evidence& evidence = selection.evidence[t];
-      EffectFinding finding{.kind = term.recipe->kind,
-                            .joint = term.recipe->joint,
-                            .parameters = estimates(selection.fit, covariance, t),
-                            .p_value = evidence.p_value,
-                            .gain = 0.5 * evidence.gain,
-                            .indistinguishable_from = {},
-                            .separating_motion = {}};
-      for (const std::string& rival : evidence.rivals) {
-        const std::string own_joint = "@" + std::to_string(term.recipe->joint + 1);
-        finding.indistinguishable_from.push_back(
-            rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
+      addFinding(term.recipe->kind, term.recipe->joint, estimates(selection.fit, covariance, t),
+                 selection.evidence[t]);
+      for (const Term& replaced : term.replaced) {
+        result_.effects.back().replaces.push_back(replaced.recipe->kind);
       }
-      addConfounds(finding);
       for (const FreeFunction& function : free) {
         if (std::find(function.terms.begin(), function.terms.end(), t) != function.terms.end()) {
-          finding.indistinguishable_from.push_back("any function of " + function.dependence.variable);
+          result_.effects.back().indistinguishable_from.push_back("any function of " +
+                                                                  function.dependence.variable);
         }
       }
-      result_.effects.push_back(std::move(finding));
+    }
+    for (const LateDrive& late : late_) {
+      addFinding(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence);
     }
     addTremorLine(fitter.describe(selection.fit));
-    const double explained = selection.fit.weighting->objective(nominal.residual) -
+    const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
+    const double explained = selection.fit.weighting->objective(missing) -
                              selection.fit.weighting->objective(selection.fit.residual);
-    const bool unexplained = !dependence.found.empty() &&
-                             dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain);
+    const bool unexplained =
+        dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain) &&
+        std::any_of(dependence.found.begin(), dependence.found.end(), [&](const Dependence& found) {
+          return found.explained_Nm > kUnknownShare * rms(missing, found.joint, train_->rows());
+        });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
     }
@@ -340,6 +425,35 @@ class Procedure {
                                  .refitted = value * ratio,
                                  .sd = value * ratio * std::sqrt(covariance(row, row))});
     }
+  }
+
+  void addFinding(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
+                  const Evidence& evidence) {
+    EffectFinding finding{.kind = kind,
+                          .joint = joint,
+                          .parameters = std::move(parameters),
+                          .p_value = evidence.p_value,
+                          .gain = 0.5 * evidence.gain,
+                          .indistinguishable_from = {},
+                          .replaces = {},
+                          .separating_motion = {}};
+    for (const std::string& rival : evidence.rivals) {
+      const std::string own_joint = "@" + std::to_string(joint + 1);
+      finding.indistinguishable_from.push_back(
+          rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
+    }
+    addConfounds(finding);
+    result_.effects.push_back(std::move(finding));
+  }
+
+  // What found effects explain includes what the declared ones did that they replaced.
+  static Eigen::VectorXd withoutReplaced(ModelFitter& fitter, Eigen::VectorXd residual, const ModelFit& fit) {
+    for (const Term& term : fit.terms) {
+      for (const Term& replaced : term.replaced) {
+        residual += fitter.torque(replaced);
+      }
+    }
+    return residual;
   }
 
   // Runs that contradict each other have no common answer.
@@ -410,6 +524,7 @@ class Procedure {
          .p_value = line->p_value,
          .gain = -0.5 * std::log(line->p_value),
          .indistinguishable_from = {},
+         .replaces = {},
          .separating_motion = {}});
     result_.warnings.emplace_back(
         "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");
@@ -464,8 +579,9 @@ class Procedure {
             result_.unexplained.empty()
                 ? "Something is missing that no effect of the library explains."
                 : fmt::format(
-                      "Something is missing that no effect of the library explains: the residual of joint {} "
-                      "depends on {}.",
+                      "{} that no effect of the library explains: the residual of joint {} depends on {}.",
+                      result_.effects.empty() ? "Something is missing"
+                                              : "Beside what was found, something is missing",
                       result_.unexplained.front().joint + 1, result_.unexplained.front().variable);
         break;
       case Verdict::kInsufficientExcitation:
@@ -474,10 +590,11 @@ class Procedure {
     }
   }
 
-  void measure(ModelFitter& fitter, const ModelFit& nominal, const Selection& selection) {
-    result_.extended = fitter.describe(selection.fit);
+  void measure(const Search& first, const Search& last) {
+    const Selection& selection = last.selection;
+    result_.extended = last.fitter->describe(selection.fit);
     result_.before = errorMeasure(*train_, heldout_, model_);
-    result_.refitted = errorMeasure(*train_, heldout_, fitter.describe(nominal));
+    result_.refitted = errorMeasure(*train_, heldout_, first.fitter->describe(first.nominal));
     result_.after = errorMeasure(*train_, heldout_, result_.extended);
     keepOnlyWhatHolds();
     for (int joint = 0; joint < train_->joints(); ++joint) {
@@ -500,6 +617,9 @@ class Procedure {
   std::vector<int> channels_;
   std::vector<std::string> names_;  ///< of the recordings
   std::vector<JointSignals> signals_;
+  SplitRecordings parts_;
+  std::vector<LateDrive> late_;
+  std::optional<Search> again_;  ///< with the delays of late drives in the model
   std::optional<Dataset> train_;
   std::optional<Dataset> wide_;  ///< the same, up to the highest frequency of a tremor
   std::optional<Dataset> heldout_;

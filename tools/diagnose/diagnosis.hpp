@@ -36,6 +36,8 @@ struct EffectFinding {
   /// Kinds, or sums "kind+kind", that the recording cannot tell from this one; with "@2" where on another
   /// joint.
   std::vector<std::string> indistinguishable_from;
+  std::vector<std::string>
+      replaces;                   ///< kinds that the model declares on this joint, in whose place it stands
   std::string separating_motion;  ///< what would tell them apart; empty where nothing needs it
 };
 
@@ -54,7 +56,7 @@ struct CandidateScore {
   double gain = 0.0;       ///< log-likelihood gain, nats
   double threshold = 0.0;  ///< gain that chance alone reaches with the family-wise probability allowed
   bool accepted = false;
-  std::string refused_because;  ///< gate that it failed: "sign", "bic", "cross-validation", "stability", …
+  std::string refused_because;  ///< gate that it failed: "sign: stribeck_level_Nm", "bic", "stability", …
 };
 
 struct SelectionStep {

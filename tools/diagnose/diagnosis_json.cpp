@@ -34,6 +34,7 @@ Json describeEffect(const EffectFinding& effect) {
           {"p_value", effect.p_value},
           {"gain_nats", effect.gain},
           {"indistinguishable_from", effect.indistinguishable_from},
+          {"replaces", effect.replaces},
           {"separating_motion", effect.separating_motion}};
 }
 

@@ -56,6 +56,9 @@ std::string verdictText(const Diagnosis& diagnosis) {
     if (!effect.indistinguishable_from.empty()) {
       text += "<br>cannot be told from: " + escaped(joinedWords(effect.indistinguishable_from));
     }
+    if (!effect.replaces.empty()) {
+      text += "<br>in place of what the model declares: " + escaped(joinedWords(effect.replaces));
+    }
     if (!effect.separating_motion.empty()) {
       text += "<br>what would tell: " + escaped(effect.separating_motion);
     }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/declared.hpp"
+#include "tools/diagnose/recipe_names.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -21,6 +22,10 @@ constexpr double kLargestLogarithm = 1.5;
 constexpr double kRelativeStep = 1e-4;
 constexpr int kIterations = 25;
 constexpr double kNearBound = 0.02;
+/// Of the residual: a coefficient whose torque is less is zero.
+constexpr double kNextToNothing = 1e-3;
+/// Square of the standard deviations by which a coefficient at zero would have to be negative.
+constexpr double kPulled = 9.0;
 
 struct PhysicalParameter {
   std::string name;
@@ -56,6 +61,29 @@ std::string cacheKey(const Recipe& recipe, std::span<const double> nu) {
     key += fmt::format(" {}", value);
   }
   return key;
+}
+
+// Whether a coefficient at zero would gain more by a negative value than chance brings.
+bool pulledBelow(const ModelFit& fit, Eigen::Index index) {
+  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
+  const Eigen::VectorXd white = fit.weighting->apply(fit.residual);
+  const Eigen::Index count = slope.cols();
+  Eigen::MatrixXd tangent(slope.rows() + count, count);
+  tangent << slope, Eigen::MatrixXd(fit.prior_weight.asDiagonal());
+  Eigen::VectorXd target(white.size() + count);
+  target << white, fit.prior_residual;
+  const Eigen::VectorXd own = tangent.col(index);
+  const Eigen::VectorXd length = tangent.colwise().norm().cwiseMax(1e-150);
+  tangent *= length.cwiseInverse().asDiagonal();
+  tangent.col(index).setZero();
+  const Eigen::VectorXd rest = own - tangent * tangent.completeOrthogonalDecomposition().solve(own);
+  const double pull = rest.dot(target);
+  const double chance = fit.prior_scale * fit.prior_scale;
+  return pull < 0.0 && pull * pull > kPulled * chance * rest.squaredNorm();
+}
+
+Eigen::Index shapeIndex(const ModelFit& fit, std::size_t term, std::size_t k) {
+  return fit.offset[term] + static_cast<Eigen::Index>(fit.terms[term].c.size() + k);
 }
 
 Eigen::VectorXd weighted(const Eigen::MatrixXd& basis, std::span<const double> c) {
@@ -128,6 +156,10 @@ class ModelFitter::Cost final : public ceres::CostFunction {
       for (std::size_t i = 0; i < fit.terms[t].prior_c.size(); ++i) {
         values[fit.offset[t] + static_cast<Eigen::Index>(i)] = fit.terms[t].c[i] - fit.terms[t].prior_c[i];
       }
+      for (std::size_t k = 0; k < fit.terms[t].nu.size(); ++k) {
+        // Counts where the recipe knows a spread about zero; elsewhere the weight is zero.
+        values[shapeIndex(fit, t, k)] = fit.terms[t].nu[k];
+      }
     }
     return values.cwiseProduct(fit.prior_weight);
   }
@@ -162,7 +194,7 @@ ModelFitter::ModelFitter(const Dataset& data, const app::ModelDescription& nomin
 Eigen::VectorXd ModelFitter::unexplained(const ModelFit& fit) {
   Eigen::VectorXd rest = torque_ - fixed_torque_ - mechanismTorque(fit.mechanism);
   for (const Term& term : fit.terms) {
-    rest -= weighted(basis(*term.recipe, term.nu), term.c);
+    rest -= torque(term);
   }
   return rest;
 }
@@ -171,8 +203,12 @@ void ModelFitter::addDeclared(const app::ModelDescription& nominal) {
   for (const app::EffectDescription& effect : nominal.effects) {
     if (auto recipe = declaredRecipe(effect)) {
       const std::vector<double> ones(recipe->coefficients(), 1.0);
-      declared_.push_back(
-          {.recipe = std::move(recipe), .c = ones, .nu = {}, .declared = true, .prior_c = ones});
+      declared_.push_back({.recipe = std::move(recipe),
+                           .c = ones,
+                           .nu = {},
+                           .declared = true,
+                           .prior_c = ones,
+                           .replaced = {}});
     } else {
       fixed_.push_back(effect);
       model::DynamicsModel whole = app::makeModel({.mechanism = nominal.mechanism, .effects = {effect}});
@@ -315,6 +351,10 @@ ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     fit.prior_weight.segment(fit.offset[t], static_cast<Eigen::Index>(fit.terms[t].prior_c.size()))
         .setConstant(1.0 / options_.declared_tolerance);
+    for (std::size_t k = 0; k < fit.terms[t].nu.size(); ++k) {
+      const double spread = fit.terms[t].recipe->nonlinear[k].spread;
+      fit.prior_weight[shapeIndex(fit, t, k)] = spread > 0.0 ? 1.0 / spread : 0.0;
+    }
   }
   fit.prior_scale = prior_scale_;
   fit.prior_weight *= prior_scale_;
@@ -327,22 +367,37 @@ ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
   fit.weighting = scaled;
   fit.prior_residual = -Cost::priorResiduals(fit);
   fit.objective = scaled->objective(fit.residual) + fit.prior_residual.squaredNorm();
-  fit.at_bound.clear();
-  for (const Term& term : fit.terms) {
+  findEdges(fit);
+  return fit;
+}
+
+Eigen::VectorXd ModelFitter::torque(const Term& term) {
+  return weighted(basis(*term.recipe, term.nu), term.c);
+}
+
+// A coefficient that rests at zero is no flaw as long as nothing pulls it below: friction may well be without
+// the part that grows with speed. One that the data would have negative is another effect than its name says.
+void ModelFitter::findEdges(ModelFit& fit) {
+  fit.at_edge.clear();
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
     const Recipe& recipe = *term.recipe;
-    bool edge = false;
-    for (std::size_t i = 0; i < term.c.size(); ++i) {
-      edge = edge || (recipe.nonnegative[i] && term.c[i] <= 1e-12) || std::abs(term.c[i]) >= recipe.largest;
+    for (std::size_t i = 0; i < term.c.size() && !term.declared; ++i) {
+      const Eigen::Index index = fit.offset[t] + static_cast<Eigen::Index>(i);
+      const double size = std::abs(term.c[i]) * fit.tangent.col(index).norm();
+      if (recipe.nonnegative[i] && size < kNextToNothing * fit.residual.norm() && pulledBelow(fit, index)) {
+        fit.at_edge.push_back({recipe.label(), "sign: " + coefficientName(recipe, term.nu, i)});
+      } else if (std::abs(term.c[i]) >= recipe.largest) {
+        fit.at_edge.push_back({recipe.label(), "range: " + coefficientName(recipe, term.nu, i)});
+      }
     }
-    for (std::size_t k = 0; k < term.nu.size(); ++k) {
+    for (std::size_t k = 0; k < term.nu.size() && !term.declared; ++k) {
       const double width = recipe.nonlinear[k].upper - recipe.nonlinear[k].lower;
-      edge = edge || term.nu[k] > recipe.nonlinear[k].upper - kNearBound * width;
-    }
-    if (edge && !term.declared) {
-      fit.at_bound.push_back(recipe.label());
+      if (term.nu[k] > recipe.nonlinear[k].upper - kNearBound * width) {
+        fit.at_edge.push_back({recipe.label(), "range: " + shapeName(recipe, term.c, term.nu, k)});
+      }
     }
   }
-  return fit;
 }
 
 std::vector<double> ModelFitter::effectParameters(const Term& term) {

@@ -24,6 +24,13 @@ struct Term {
   std::vector<double> nu;
   bool declared = false;        ///< part of the model that was given: held near its values
   std::vector<double> prior_c;  ///< those values
+  std::vector<Term> replaced;   ///< declared terms in whose place it stands
+};
+
+/// A parameter at the edge of what physics allows, with the data pulling it beyond.
+struct Edge {
+  std::string label;   ///< of the term
+  std::string reason;  ///< "sign: stribeck_level_Nm", "range: delay_s"
 };
 
 /// A set of effects with their estimates, and how well it explains the data.
@@ -40,7 +47,7 @@ struct ModelFit {
   Eigen::VectorXd prior_residual;  ///< weighted distance from what is known to each parameter
   /// Where the terms' parameters start in that order: mechanism first, then c and ν of each term.
   std::vector<Eigen::Index> offset;
-  std::vector<std::string> at_bound;  ///< labels of terms with a parameter at the edge of what physics allows
+  std::vector<Edge> at_edge;
 };
 
 struct FitOptions {
@@ -69,6 +76,8 @@ class ModelFitter {
   /// What the files call this fit.
   app::ModelDescription describe(const ModelFit& fit) const;
   static std::vector<double> effectParameters(const Term& term);
+  /// What a term takes from the drives, as a Column.
+  Eigen::VectorXd torque(const Term& term);
 
   /// Names and nominal values of the mechanism's parameters, in the order of ModelFit::mechanism.
   const std::vector<std::string>& mechanismNames() const noexcept { return names_; }
@@ -81,6 +90,7 @@ class ModelFitter {
   Eigen::VectorXd unexplained(const ModelFit& fit);
   void solve(ModelFit& fit, const Weighting& weighting);
   void linearise(ModelFit& fit);
+  static void findEdges(ModelFit& fit);
   void addDeclared(const app::ModelDescription& nominal);
 
   const Dataset* data_;

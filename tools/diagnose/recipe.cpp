@@ -138,6 +138,7 @@ Recipe start(const char* kind, const Motion& motion, std::vector<bool> nonnegati
 Recipe single(const char* kind, const Motion& motion, const char* strength, bool nonnegative,
               double smoothing = 0.0) {
   Recipe recipe = start(kind, motion, {nonnegative});
+  recipe.contains = {kind};
   recipe.parameters = [=](Numbers c, Numbers) -> std::vector<double> {
     Parameters parameters(kind);
     parameters.set(strength, c[0]);
@@ -152,7 +153,8 @@ Recipe single(const char* kind, const Motion& motion, const char* strength, bool
 Recipe asymmetricFriction(const Motion& motion, double smoothing, bool viscous) {
   Recipe recipe = start("asymmetric_friction", motion, std::vector<bool>(viscous ? 4 : 2, true));
   recipe.variant = viscous ? "levels and viscous" : "levels";
-  recipe.contains = {"coulomb_friction"};
+  // A bias only moves one level up and the other down.
+  recipe.contains = {"coulomb_friction", "torque_bias", "asymmetric_friction"};
   if (viscous) {
     recipe.contains.emplace_back("viscous_friction");
   }
@@ -167,9 +169,24 @@ Recipe asymmetricFriction(const Motion& motion, double smoothing, bool viscous) 
   return recipe;
 }
 
+// Friction of a lubricated contact grows with speed before it is fully there: what a film of grease carries
+// of it is shear. Beside friction that is there at once, this is the part that is not. Nonlinear: the
+// velocity.
+Recipe gradualFriction(const Motion& motion, double smoothing) {
+  Recipe recipe = start("coulomb_friction", motion, {true});
+  recipe.variant = "gradual";
+  const double rms = motion.velocity_rms;
+  recipe.nonlinear = {{.lower = std::max(5.0 * smoothing, 0.02 * rms), .upper = 0.5 * rms}};
+  recipe.grid = product({{0.05 * rms, 0.12 * rms, 0.3 * rms}});
+  recipe.parameters = [](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("coulomb_friction").set("level_Nm", c[0]).set(kSmoothing, nu[0]);
+  };
+  return recipe;
+}
+
 Recipe stribeckFriction(const Motion& motion, double smoothing) {
   Recipe recipe = start("stribeck_friction", motion, {true, true});
-  recipe.contains = {"coulomb_friction"};
+  recipe.contains = {"stribeck_friction", "coulomb_friction"};
   const double rms = motion.velocity_rms;
   recipe.nonlinear = {{.lower = 0.02 * rms, .upper = 1.0 * rms}};
   recipe.grid = product({{0.06 * rms, 0.15 * rms, 0.35 * rms}});
@@ -187,7 +204,7 @@ Recipe stribeckFriction(const Motion& motion, double smoothing) {
 // level.
 Recipe preslidingHysteresis(const Motion& motion) {
   Recipe recipe = start("presliding_hysteresis", motion, {true});
-  recipe.contains = {"coulomb_friction"};
+  recipe.contains = {"presliding_hysteresis", "coulomb_friction"};
   const double range = motion.position_range;
   recipe.nonlinear = {{.lower = 0.001 * range, .upper = 0.1 * range}};
   recipe.grid = product({{0.005 * range, 0.02 * range, 0.06 * range}});
@@ -200,7 +217,7 @@ Recipe preslidingHysteresis(const Motion& motion) {
 // c = (stiffness, stiffness times rest position).
 Recipe linearStiffness(const Motion& motion) {
   Recipe recipe = start("linear_stiffness", motion, {true, false});
-  recipe.contains = {"torque_bias"};
+  recipe.contains = {"linear_stiffness", "torque_bias"};
   recipe.parameters = [](Numbers c, Numbers) -> std::vector<double> {
     return Parameters("linear_stiffness")
         .set("stiffness_Nm_rad", c[0])
@@ -388,26 +405,23 @@ Recipe thermalDrift(const Motion& motion, const char* what, double smoothing) {
 // c = (factor of the flexion term, factor of the extension term, offset); the slopes are nonlinear.
 Recipe passiveKneeMoment(const Motion& motion) {
   Recipe recipe = start("passive_knee_moment", motion, {true, true, false});
-  recipe.contains = {"torque_bias"};
+  recipe.contains = {"passive_knee_moment", "torque_bias"};
   const Parameters typical("passive_knee_moment");
   const double silent = typical.of("flexion_log_Nm").minimum;
   constexpr std::array kSlopes{"flexion_knee_1_rad", "flexion_hip_1_rad", "extension_knee_1_rad",
                                "extension_hip_1_rad"};
-  std::vector<std::vector<double>> axes;
-  for (const char* slope : kSlopes) {
-    const model::EffectParameter& parameter = typical.of(slope);
-    // Between persons the slopes differ by less than a factor of two; freer, the exponentials would fit
-    // anything.
-    const double half = 0.5 * parameter.initial;
-    const double twice = 2.0 * parameter.initial;
-    recipe.nonlinear.push_back({.lower = std::min(half, twice), .upper = std::max(half, twice)});
-    axes.push_back({parameter.initial});
-  }
-  recipe.grid = product(axes);
+  // Logarithms of the ratios to the published slopes, which are means over ten persons. Two persons differ by
+  // a factor of two easily; quite free, the exponentials would fit anything. Motion bends by other things than
+  // tissue, so that there the slopes have to stay near what is known.
+  const bool at_rest = motion.duration_s == 0.0;
+  const double spread = std::log(at_rest ? 2.0 : 1.5);
+  const double most = (at_rest ? 3.0 : 1.5) * spread;
+  recipe.nonlinear.assign(kSlopes.size(), {.lower = -most, .upper = most, .spread = spread});
+  recipe.grid = product(std::vector<std::vector<double>>(kSlopes.size(), {0.0}));
   const auto shape = [=](Numbers nu, double flexion, double extension, double offset) {
     Parameters parameters("passive_knee_moment");
     for (std::size_t i = 0; i < kSlopes.size(); ++i) {
-      parameters.set(kSlopes[i], nu[i]);
+      parameters.set(kSlopes[i], typical.of(kSlopes[i]).initial * std::exp(nu[i]));
     }
     parameters.set("flexion_log_Nm", flexion > 0.0 ? std::log(flexion) : silent);
     parameters.set("extension_log_Nm", extension > 0.0 ? std::log(extension) : silent);
@@ -426,6 +440,7 @@ void addKind(std::string_view kind, const Motion& motion, std::span<const int> c
     all.push_back(single("viscous_friction", motion, "coefficient_Nms_rad", true));
   } else if (kind == "coulomb_friction") {
     all.push_back(single("coulomb_friction", motion, "level_Nm", true, smoothing));
+    all.push_back(gradualFriction(motion, smoothing));
   } else if (kind == "asymmetric_friction") {
     all.push_back(asymmetricFriction(motion, smoothing, false));
     all.push_back(asymmetricFriction(motion, smoothing, true));

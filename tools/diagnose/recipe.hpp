@@ -22,6 +22,7 @@ struct BasisTerm {
 struct NonlinearParameter {
   double lower = 0.0;
   double upper = 0.0;
+  double spread = 0.0;  ///< standard deviation about zero that is known beforehand; 0: nothing is
 };
 
 /// torque(c, ν) = Σ c_i basis_i(ν); an effect without coefficients has one basis that counts once.
@@ -38,7 +39,8 @@ struct Recipe {
   /// Parameters of the effect, in the order of its descriptor.
   std::function<std::vector<double>(std::span<const double> c, std::span<const double> nu)> parameters;
   std::function<std::vector<std::vector<BasisTerm>>(std::span<const double> nu)> basis;
-  /// Kinds whose torque is a special case of this one: they are replaced, not added to.
+  /// Kinds whose torque is a special case of this one, its own among them where a joint has but one of it:
+  /// they are replaced, not added to.
   std::vector<std::string> contains;
   /// The torque is nearly proportional to ν[0], so that a first estimate follows from any point of the grid.
   bool proportional = false;

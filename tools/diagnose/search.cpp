@@ -150,8 +150,12 @@ Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const A
     const std::vector<Eigen::VectorXd> kept = orthonormalised(group, before.segment(atom.first, atom.count));
     const bool one_sided = atom.count == 1 && atom.recipe != nullptr &&
                            (atom.recipe->coefficients() == 0 || atom.recipe->nonnegative[0]);
-    Screened result{
-        .atom = a, .raw_gain = 0.0, .gain = 0.0, .dimensions = 0, .c = Eigen::VectorXd::Zero(atom.count)};
+    Screened result{.atom = a,
+                    .raw_gain = 0.0,
+                    .gain = 0.0,
+                    .wrong_sign = false,
+                    .dimensions = 0,
+                    .c = Eigen::VectorXd::Zero(atom.count)};
     if (!kept.empty()) {
       result.dimensions = static_cast<int>(kept.size()) + atom.nonlinear;
       result.c = coefficients(group, before.segment(atom.first, atom.count), residual);
@@ -164,9 +168,7 @@ Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const A
       result.raw_gain += std::pow(unit.dot(residual), 2);
       basis_.col(used++) = unit.cast<float>();  // a single column keeps its sign, for one-sided tests
     }
-    if (one_sided && result.c[0] < 0.0) {
-      result.raw_gain = 0.0;
-    }
+    result.wrong_sign = one_sided && result.c[0] < 0.0;
     results_.push_back(std::move(result));
   }
   basis_.conservativeResize(Eigen::NoChange, used);

@@ -28,10 +28,11 @@ struct Atom {
 /// What an atom would explain beyond the fit.
 struct Screened {
   std::size_t atom = 0;
-  double raw_gain = 0.0;  ///< fall of the weighted squared error
-  double gain = 0.0;      ///< the same in units of what chance brings a column on average
-  int dimensions = 0;     ///< columns that the fit does not span already, and nonlinear parameters
-  Eigen::VectorXd c;      ///< coefficients of the columns
+  double raw_gain = 0.0;    ///< fall of the weighted squared error
+  double gain = 0.0;        ///< the same in units of what chance brings a column on average
+  bool wrong_sign = false;  ///< the gain would take a sign that physics does not allow
+  int dimensions = 0;       ///< columns that the fit does not span already, and nonlinear parameters
+  Eigen::VectorXd c;        ///< coefficients of the columns
 };
 
 struct ScreeningOptions {

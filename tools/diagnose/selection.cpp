@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/candidate.hpp"
 #include "tools/diagnose/gates.hpp"
+#include "tools/diagnose/recipe_names.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -34,37 +36,22 @@ constexpr double kDeviations95 = 1.959964;
 int parameters(const ModelFit& fit) {
   int count = 0;
   for (const Term& term : fit.terms) {
-    count += term.declared ? 0 : static_cast<int>(term.c.size() + term.nu.size());
+    count += static_cast<int>(term.c.size() + term.nu.size());
   }
   return count;
 }
 
+// The same but for coefficients that were left out.
+bool isSame(const Recipe& found, const Recipe& recipe) {
+  return found.label() == recipe.label() &&
+         (found.variant == recipe.variant || found.variant.starts_with(recipe.variant + " +") ||
+          found.variant.starts_with(recipe.variant + " -"));
+}
+
 bool contains(const Recipe& recipe, const Recipe& other) {
-  return other.joint == recipe.joint &&
+  // What has a shape of its own is no special case.
+  return other.joint == recipe.joint && other.nonlinear.empty() &&
          std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
-}
-
-bool contains(const Recipe& recipe, const Term& term) {
-  return !term.declared && contains(recipe, *term.recipe);
-}
-
-// The fit with a candidate added, in place of what it contains.
-ModelFit withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom, const Screened& screened) {
-  ModelFit start = fit;
-  std::erase_if(start.terms, [&](const Term& term) { return contains(*atom.recipe, term); });
-  Term term{.recipe = atom.recipe, .c = {}, .nu = atom.nu, .declared = false, .prior_c = {}};
-  if (atom.recipe->coefficients() > 0) {
-    term.c.assign(screened.c.begin(), screened.c.end());
-    for (std::size_t i = 0; i < term.c.size(); ++i) {
-      // Not at the bound itself, from which a derivative by ν would vanish.
-      term.c[i] = atom.recipe->nonnegative[i] ? std::max(term.c[i], 1e-3) : term.c[i];
-    }
-  } else if (atom.recipe->proportional) {
-    const NonlinearParameter& range = atom.recipe->nonlinear.front();
-    term.nu[0] = std::clamp(term.nu[0] * screened.c[0], range.lower, range.upper);
-  }
-  start.terms.push_back(std::move(term));
-  return fitter.fit(std::move(start), *fit.weighting);
 }
 
 struct Candidate {
@@ -79,6 +66,11 @@ struct Candidate {
   std::string refused_because;
 };
 
+// Refused for a reason that has nothing to do with how much it would explain.
+bool unphysical(const std::string& refusal) {
+  return refusal.starts_with("sign") || refusal.starts_with("range");
+}
+
 // The best point of the grid for each recipe, best recipe first.
 std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, double cost) {
   std::vector<Candidate> best;
@@ -88,31 +80,70 @@ std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, doub
     if (score <= 0.0) {
       continue;
     }
+    Candidate candidate{
+        .atom = &atom, .screened = &screened, .score = score, .fit = {}, .refused_because = {}};
+    if (screened.wrong_sign) {
+      candidate.refused_because = "sign: " + coefficientName(*atom.recipe, atom.nu, 0);
+    }
     const auto known = std::find_if(best.begin(), best.end(),
                                     [&](const Candidate& c) { return c.atom->recipe == atom.recipe; });
     if (known == best.end()) {
-      best.push_back(
-          {.atom = &atom, .screened = &screened, .score = score, .fit = {}, .refused_because = {}});
-    } else if (score > known->score) {
-      *known = {.atom = &atom, .screened = &screened, .score = score, .fit = {}, .refused_because = {}};
+      best.push_back(std::move(candidate));
+    } else if (std::pair(!screened.wrong_sign, score) >
+               std::pair(!known->screened->wrong_sign, known->score)) {
+      *known = std::move(candidate);
     }
   }
-  std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  // What physics refuses comes last: it is shown, not fitted.
+  std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.refused_because.empty(), a.score) > std::pair(b.refused_because.empty(), b.score);
+  });
   return best;
 }
 
+// The coefficient that the screening, which knows no signs, would make most of where physics does not allow
+// its sign; empty where there is none.
+std::string wrongSign(ModelFitter& fitter, const Candidate& candidate) {
+  const Recipe& recipe = *candidate.atom->recipe;
+  const Eigen::MatrixXd basis = fitter.basis(recipe, candidate.atom->nu);
+  std::string name;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < recipe.coefficients(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    const double c = candidate.screened->c[index];
+    const double size = std::abs(c) * basis.col(index).norm();
+    if (size > largest) {
+      largest = size;
+      name =
+          recipe.nonnegative[i] && c < 0.0 ? "sign: " + coefficientName(recipe, candidate.atom->nu, i) : "";
+    }
+  }
+  return name;
+}
+
 void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Candidate& candidate) {
-  candidate.fit = withCandidate(fitter, current, *candidate.atom, *candidate.screened);
+  std::optional<ModelFit> start = withCandidate(fitter, current, *candidate.atom, *candidate.screened);
+  if (!start) {
+    candidate.refused_because = "given by others";
+    return;
+  }
+  candidate.fit = fitter.fit(std::move(*start), *current.weighting);
   const auto added =
       static_cast<Eigen::Index>(candidate.fit->terms.back().c.size() + candidate.fit->terms.back().nu.size());
   candidate.unit = chanceUnit(fitter.data(), *candidate.fit, added, kUnitSeed);
   candidate.gain = (current.objective - candidate.fit->objective) / candidate.unit;
   candidate.margin = candidate.gain - cost * (parameters(*candidate.fit) - parameters(current));
-  const auto& edge = candidate.fit->at_bound;
-  if (std::find(edge.begin(), edge.end(), candidate.atom->label) != edge.end()) {
-    candidate.refused_because = "sign or range";
+  const auto& edges = candidate.fit->at_edge;
+  const auto edge = std::find_if(edges.begin(), edges.end(),
+                                 [&](const Edge& e) { return e.label == candidate.atom->label; });
+  if (edge != edges.end()) {
+    candidate.refused_because = edge->reason;
   } else if (candidate.margin <= 0.0) {
     candidate.refused_because = "bic";
+  }
+  if (!candidate.refused_because.empty()) {
+    const std::string sign = wrongSign(fitter, candidate);
+    candidate.refused_because = sign.empty() ? candidate.refused_because : sign;
   }
 }
 
@@ -121,7 +152,9 @@ void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Can
 SelectionStep describeStep(const std::vector<Candidate>& candidates, double threshold, double cost) {
   SelectionStep step;
   for (const Candidate& candidate : candidates) {
-    const double gain = candidate.fit ? candidate.gain : candidate.screened->gain;
+    // What physics refuses is shown with what it would have explained.
+    const bool fitted = candidate.fit && !unphysical(candidate.refused_because);
+    const double gain = fitted ? candidate.gain : candidate.screened->gain;
     step.ranking.push_back({.label = candidate.atom->label,
                             .gain = 0.5 * gain,
                             .threshold = 0.5 * (threshold + cost * candidate.screened->dimensions),
@@ -193,8 +226,8 @@ class Selector {
   // There already, or a special case of what is there.
   bool isContained(const Recipe& recipe) const {
     return std::any_of(result_.fit.terms.begin(), result_.fit.terms.end(), [&](const Term& term) {
-      return !term.declared && (term.recipe.get() == &recipe ||
-                                (contains(*term.recipe, recipe) && !contains(recipe, *term.recipe)));
+      return !term.declared && (isSame(*term.recipe, recipe) ||
+                                (term.recipe->kind != recipe.kind && contains(*term.recipe, recipe)));
     });
   }
 
@@ -203,6 +236,9 @@ class Selector {
     Candidate* best = nullptr;
     for (std::size_t i = 0; i < std::min(kFittedCandidates, candidates.size()); ++i) {
       Candidate& candidate = candidates[i];
+      if (!candidate.refused_because.empty()) {
+        break;
+      }
       if (best != nullptr && candidate.score < kNearBest * (current.objective - best->fit->objective)) {
         break;
       }
@@ -243,7 +279,7 @@ class Selector {
   void accept(Candidate& best, double p_value) {
     std::vector<Evidence> evidence;
     for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
-      if (!contains(*best.atom->recipe, result_.fit.terms[t])) {
+      if (!replaces(*best.atom->recipe, result_.fit.terms[t])) {
         evidence.push_back(result_.evidence[t]);
       }
     }
@@ -257,9 +293,7 @@ class Selector {
   }
 
   ModelFit without(std::size_t term) {
-    ModelFit start = result_.fit;
-    start.terms.erase(start.terms.begin() + static_cast<std::ptrdiff_t>(term));
-    return fitter_.fit(std::move(start), *result_.fit.weighting);
+    return fitter_.fit(withoutTerm(result_.fit, term), *result_.fit.weighting);
   }
 
   // Drops what later additions have made superfluous.
@@ -273,8 +307,11 @@ class Selector {
       ModelFit smaller = without(t);
       const double gain = (smaller.objective - result_.fit.objective) / unit_;
       if (gain < cost_ * (parameters(result_.fit) - parameters(smaller))) {
+        const std::size_t back = term.replaced.size();
         result_.fit = std::move(smaller);
         result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(t));
+        result_.evidence.insert(result_.evidence.begin(), back, Evidence{});
+        t += back;
       } else {
         result_.evidence[t].gain = gain;
         ++t;
@@ -304,9 +341,9 @@ class Selector {
       });
       std::vector<std::string> rivals;
       fitBest(smaller, candidates);
-      for (std::size_t i = 0; i < candidates.size() && candidates[i].fit; ++i) {
+      for (std::size_t i = 0; i < candidates.size(); ++i) {
         const std::string& label = candidates[i].atom->label;
-        if (candidates[i].refused_because != "sign or range" &&
+        if (candidates[i].fit && !unphysical(candidates[i].refused_because) &&
             rivalMargin(candidates[i], smaller) > full_margin - kRivalMargin &&
             !decidedByNesting(candidates[i], smaller, t) &&
             std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
@@ -355,11 +392,10 @@ Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nomina
 
 Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term) {
   Selection smaller = selection;
-  const auto place = static_cast<std::ptrdiff_t>(term);
-  smaller.fit.terms.erase(smaller.fit.terms.begin() + place);
-  smaller.evidence.erase(smaller.evidence.begin() + place);
-  const auto weighting = smaller.fit.weighting;
-  smaller.fit = fitter.fit(std::move(smaller.fit), *weighting);
+  smaller.fit = fitter.fit(withoutTerm(selection.fit, term), *selection.fit.weighting);
+  smaller.evidence.erase(smaller.evidence.begin() + static_cast<std::ptrdiff_t>(term));
+  // Declared terms that come back stand first.
+  smaller.evidence.insert(smaller.evidence.begin(), selection.fit.terms[term].replaced.size(), Evidence{});
   return smaller;
 }
 
@@ -387,7 +423,8 @@ std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::Matri
   for (std::size_t p = 0; p < values.size(); ++p) {
     const auto row = static_cast<Eigen::Index>(p);
     const double half = kDeviations95 * std::sqrt(std::max(0.0, propagated(row, row)));
-    if (descriptor.parameters[p].identified) {
+    // A modelling choice is an estimate where it was fitted.
+    if (descriptor.parameters[p].identified || slope.row(row).squaredNorm() > 0.0) {
       all.push_back({.name = std::string(descriptor.parameters[p].name),
                      .value = values[p],
                      .ci95 = {values[p] - half, values[p] + half}});

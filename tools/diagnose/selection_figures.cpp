@@ -75,7 +75,7 @@ Figure rankingFigure(const SelectionStep& step, std::size_t number) {
     figure.x_ticks.push_back(tick);
   }
   // Room for the words behind the longest bar.
-  figure.x_range = {start, figure.log_x ? start * std::pow(highest / start, 1.9) : 2.1 * highest};
+  figure.x_range = {start, figure.log_x ? start * std::pow(highest / start, 2.3) : 2.5 * highest};
   if (step.ranking.size() > shown) {
     figure.x_label += fmt::format("; {} weaker ones left out", step.ranking.size() - shown);
   }

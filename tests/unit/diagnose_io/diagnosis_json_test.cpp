@@ -38,6 +38,7 @@ TEST_CASE("an effect has its parameters by name, and counts joints from 1") {
   CHECK(effect["ci95"]["level_Nm"] == json{1.42, 1.54});
   CHECK(effect["p_value"] == 0.002);
   CHECK(effect["gain_nats"] == 880.0);
+  CHECK(effect["replaces"] == json{"viscous_friction"});
   CHECK(effect["indistinguishable_from"] == json{"presliding_hysteresis", "viscous_friction@1+torque_bias"});
   CHECK(effect["separating_motion"] == "slow reversals of less than 0.05 rad");
 }
@@ -68,7 +69,7 @@ TEST_CASE("the way to the answer is told") {
   CHECK(out["excitation"]["not_identifiable"] == json{"torque_gain@1"});
   REQUIRE(out["steps"].size() == 3);
   CHECK(out["steps"][0]["accepted"] == "linear_stiffness@2");
-  CHECK(out["steps"][0]["ranking"][3]["refused_because"] == "sign or range");
+  CHECK(out["steps"][0]["ranking"][3]["refused_because"] == "sign: level_Nm");
   CHECK(out["steps"][2]["accepted"].is_null());
   CHECK(out["seed"] == 7);
   CHECK(out["inputs"][0]["sha256"] == "12ab");

@@ -122,6 +122,7 @@ TEST_CASE("delays show against the rate of torque, drift against time, EMG again
                                   .joint = 0,
                                   .parameters = {},
                                   .indistinguishable_from = {},
+                                  .replaces = {},
                                   .separating_motion = {}});
   };
   CHECK(kindOf("actuator_delay").kind == Kind::kTorqueRate);

@@ -22,7 +22,7 @@ TEST_CASE("each step has its ranking with what chance reaches") {
   CHECK(first.bars[1].colour != first.bars[4].colour);
   CHECK(first.row_marks[0].at == 9.5);
   CHECK(first.row_notes[0].text == "2100  accepted");
-  CHECK(first.row_notes[3].text == "31  refused: sign or range");
+  CHECK(first.row_notes[3].text == "31  refused: sign: level_Nm");
   CHECK(first.x_range->second > 2100.0);
   CHECK(figures[2].title == "Step 3: none accepted");
   CHECK_FALSE(figures[2].log_x);

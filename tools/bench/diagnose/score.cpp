@@ -175,6 +175,17 @@ TrueFinding findingOf(const TrueEffect& effect) {
   return result;
 }
 
+// A finding of viscous friction takes the place of the damping that the model declares, so that it holds
+// both.
+template <typename Damping>
+void addDeclared(const Damping& damping_Nms_rad, TrueFinding& finding) {
+  for (NamedValue& parameter : finding.parameters) {
+    const bool viscous = (finding.kind == "viscous_friction" || finding.kind == "asymmetric_friction") &&
+                         parameter.name.ends_with("_Nms_rad");
+    parameter.value += viscous ? damping_Nms_rad[static_cast<std::size_t>(finding.joint)] : 0.0;
+  }
+}
+
 }  // namespace
 
 std::string_view outcomeName(Outcome outcome) noexcept {
@@ -207,6 +218,7 @@ Truth truthOf(const Case& drawn) {
   truth.suite = drawn.suite;
   for (const CaseEffect& effect : drawn.effects) {
     truth.effects.push_back(findingOf(effect.effect));
+    addDeclared(drawn.rig.body.damping_Nms_rad, truth.effects.back());
     const std::vector<std::string> names = variablesOf(effect.effect);
     truth.variables.insert(truth.variables.end(), names.begin(), names.end());
     truth.in_span = truth.in_span || effect.in_span;

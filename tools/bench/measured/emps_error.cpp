@@ -18,6 +18,12 @@ constexpr std::size_t kEdge = 49;
 constexpr std::size_t kDecimation = 10;
 constexpr double kPercent = 100.0;
 
+double actingForce(const diagnose::Recording& recording, std::size_t i) {
+  const std::vector<double>& force = recording.torque_Nm[0];
+  const bool held = recording.torque_timing == diagnose::TorqueTiming::kHeld && i > 0;
+  return held ? 0.5 * (force[i] + force[i - 1]) : force[i];
+}
+
 Samples modelForce(const diagnose::Recording& recording, const app::ModelDescription& description) {
   // −3 dB at the cutoff in each of the two passes, as the benchmark's tools count it.
   const double both_Hz =
@@ -35,7 +41,7 @@ Samples modelForce(const diagnose::Recording& recording, const app::ModelDescrip
   for (std::size_t i = 0; i < position.size(); ++i) {
     input.q[0] = position[i];
     input.dq[0] = velocity[i];
-    input.torque_Nm[0] = recording.torque_Nm[0][i];
+    input.torque_Nm[0] = actingForce(recording, i);
     input.time_s = recording.time_s[i];
     if (i == 0) {
       dynamics.reset(input);
@@ -43,6 +49,12 @@ Samples modelForce(const diagnose::Recording& recording, const app::ModelDescrip
       dynamics.advance(input, 1.0 / recording.rate_Hz);
     }
     force.push_back(dynamics.inverseDynamics(input, JointVector::Constant(1, acceleration[i]))[0]);
+  }
+  if (recording.torque_timing == diagnose::TorqueTiming::kHeld) {
+    // A force that is held until the next sample is the mean of what the motion takes meanwhile.
+    for (std::size_t i = 0; i + 1 < force.size(); ++i) {
+      force[i] = 0.5 * (force[i] + force[i + 1]);
+    }
   }
   return force;
 }

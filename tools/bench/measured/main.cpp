@@ -22,12 +22,18 @@ struct Arguments {
   fs::path columns;
   std::vector<fs::path> models;
   double holdout_fraction = 0.3;
+  std::string torque;
 };
 
 std::vector<diagnose::Recording> load(const Arguments& arguments, int joints) {
   std::vector<diagnose::Recording> recordings;
+  diagnose::RecordingOptions options{.joints = joints, .columns = arguments.columns};
+  if (!arguments.torque.empty()) {
+    options.torque_timing =
+        arguments.torque == "held" ? diagnose::TorqueTiming::kHeld : diagnose::TorqueTiming::kSampled;
+  }
   for (const fs::path& path : arguments.data) {
-    recordings.push_back(diagnose::loadRecording(path, {.joints = joints, .columns = arguments.columns}));
+    recordings.push_back(diagnose::loadRecording(path, options));
   }
   return recordings;
 }
@@ -82,6 +88,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       .add_option("--holdout-fraction", arguments.holdout_fraction, "last part of the recording, told apart")
       ->check(CLI::Range(0.05, 0.8))
       ->capture_default_str();
+  errors
+      .add_option(
+          "--torque", arguments.torque,
+          "held: the force acts until the next sample; sampled: at its own instant, as the benchmark counts "
+          "it; as the map says unless given")
+      ->check(CLI::IsMember({"held", "sampled"}));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -42,9 +42,11 @@ headline "EMPS, told of its mass only"
 diagnose emps_inertia --model $maps/emps_inertia.toml "${emps[@]}"
 headline "EMPS, told of its mass and of symmetric friction"
 diagnose emps_symmetric --model $maps/emps_symmetric.toml "${emps[@]}"
-headline "EMPS, the measure of its benchmark (published: symmetric friction 4.08, asymmetric 3.11)"
-"$figures" emps "${emps[@]}" --models tools/bench/measured/emps_published.toml $maps/emps_inertia.toml \
-  $maps/emps_symmetric.toml "$out"/emps_{inertia,symmetric}/model.extended.toml
+for torque in sampled held; do
+  headline "EMPS, the measure of its benchmark, force $torque (published: symmetric friction 4.08, asymmetric 3.11)"
+  "$figures" emps "${emps[@]}" --torque $torque --models tools/bench/measured/emps_published.toml $maps/emps_inertia.toml \
+    $maps/emps_symmetric.toml "$out"/emps_{inertia,symmetric}/model.extended.toml
+done
 
 arm=$data/double_pendulum
 arm_map=(--columns "$maps/double_pendulum.toml")
@@ -54,7 +56,12 @@ diagnose double_pendulum --model firmware_app/config/models/double_pendulum.toml
 headline "Two-link arm: how late its drives are, measured against commanded torque"
 "$figures" timing "${arm_map[@]}" --data "$arm"/run_{1,2,3}.csv
 
-headline "Passive knee at rest, told of no tissue"
-diagnose passive_knee --model $maps/passive_knee_model.toml --columns $maps/passive_knee.toml \
-  --data "$data/passive_knee/silder_2007.csv"
+knee=$data/passive_knee/silder_2007.csv
+headline "Passive knee at rest, told of no tissue, one posture of hip and ankle"
+diagnose passive_knee --model $maps/passive_knee_model.toml --columns $maps/passive_knee.toml --data "$knee"
+headline "Passive leg at rest, told of no tissue, two postures of the hip, the ankle in one"
+diagnose passive_leg_ankle_20 --model $maps/passive_leg_model.toml --columns $maps/passive_leg_ankle_20.toml \
+  --data "$knee"
+headline "Passive leg at rest, told of no tissue, all postures, the ankle's not told"
+diagnose passive_leg --model $maps/passive_leg_model.toml --columns $maps/passive_leg.toml --data "$knee"
 printf '\nReports: %s\n' "$out/*/report.html"
