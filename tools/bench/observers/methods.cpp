@@ -170,7 +170,7 @@ const std::vector<Method>& methods() {
 std::vector<Tunable> tunablesOf(const Method& method, const Condition& condition) {
   std::vector<Tunable> tunables = method.tunables;
   if (condition.encoderOnly() && method.needs_velocity) {
-    tunables.push_back({"velocity_cutoff_Hz", 20.0});
+    tunables.push_back({"velocity_cutoff_Hz", 60.0});  // as the loop has it
   }
   return tunables;
 }
