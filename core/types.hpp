@@ -20,6 +20,9 @@ using JointMatrix =
 /// 2 x joints: planar Cartesian velocity of the end point per joint velocity, stored inline.
 using Jacobian = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kMaxJoints>;
 
+/// One setting per joint, in the order of the joints; those beyond the mechanism's joints are without effect.
+using PerJoint = std::array<double, kMaxJoints>;
+
 /// EMG per channel, mV (raw) or dimensionless (activation).
 using EmgArray = std::array<double, kMaxEmgChannels>;
 

@@ -11,6 +11,7 @@
 
 #include "core/estimation/observer.hpp"
 #include "core/estimation/sampler_parameters.hpp"
+#include "core/estimation/step_mean.hpp"
 
 namespace patella::estimation {
 
@@ -33,8 +34,7 @@ class ImplicitSampler final : public Observer {
   SamplerParameters parameters_;
   JointVector psi_;
   JointVector xi_;
-  JointVector previous_f_;
-  JointMatrix previous_inverse_inertia_;
+  StepMean known_;
 };
 
 }  // namespace patella::estimation

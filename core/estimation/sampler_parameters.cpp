@@ -17,16 +17,20 @@ void requireOdd(int value, const char* name) {
 
 }  // namespace
 
+void requireOddExponent(int p0, int q0) {
+  requireOdd(p0, "p0");
+  requireOdd(q0, "q0");
+  if (p0 >= q0) {
+    throw std::invalid_argument("p0 is " + std::to_string(p0) + ", expected less than q0, which is " +
+                                std::to_string(q0));
+  }
+}
+
 const SamplerParameters& checked(const SamplerParameters& parameters) {
   model::requirePositive(parameters.k_d, "k_d");
   model::requirePositive(parameters.delta, "delta");
   model::requirePositive(parameters.epsilon, "epsilon");
-  requireOdd(parameters.p0, "p0");
-  requireOdd(parameters.q0, "q0");
-  if (parameters.p0 >= parameters.q0) {
-    throw std::invalid_argument("p0 is " + std::to_string(parameters.p0) +
-                                ", expected less than q0, which is " + std::to_string(parameters.q0));
-  }
+  requireOddExponent(parameters.p0, parameters.q0);
   return parameters;
 }
 

@@ -15,4 +15,7 @@ struct SamplerParameters {
 /// are positive and finite, p0 and q0 odd and 0 < p0 < q0.
 const SamplerParameters& checked(const SamplerParameters& parameters);
 
+/// Throws std::invalid_argument likewise unless p0 and q0 are odd and 0 < p0 < q0.
+void requireOddExponent(int p0, int q0);
+
 }  // namespace patella::estimation

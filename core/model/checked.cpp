@@ -22,6 +22,13 @@ double requirePositive(double value, std::string_view name) {
   return require(value > 0.0, value, name, "a finite number greater than 0");
 }
 
+const PerJoint& requirePositive(const PerJoint& values, std::string_view name) {
+  for (const double value : values) {
+    requirePositive(value, name);
+  }
+  return values;
+}
+
 double requireNotNegative(double value, std::string_view name) {
   return require(value >= 0.0, value, name, "a finite number of at least 0");
 }

@@ -10,9 +10,12 @@ namespace {
 constexpr int kEstimateFilterOrder = 2;
 
 std::vector<signal::BiquadCascade> estimateFilters(const TickSettings& settings, int joints) {
-  return std::vector<signal::BiquadCascade>(
-      static_cast<std::size_t>(joints),
-      signal::lowPass(kEstimateFilterOrder, settings.estimate_cutoff_Hz, 1.0 / settings.encoder_period_s));
+  signal::BiquadCascade filter;
+  if (settings.estimate_cutoff_Hz != 0.0) {
+    filter =
+        signal::lowPass(kEstimateFilterOrder, settings.estimate_cutoff_Hz, 1.0 / settings.encoder_period_s);
+  }
+  return std::vector<signal::BiquadCascade>(static_cast<std::size_t>(joints), filter);
 }
 
 void zero(control::ControlOutput& output, int joints) noexcept {
@@ -80,6 +83,7 @@ const TickOutput& Tick::step(const TickInput& input) noexcept PATELLA_NONBLOCKIN
 void Tick::estimate(const TickInput& input) noexcept {
   const Measurement& m = input.measurement;
   const double dt_s = m.encoder_steps * settings_.encoder_period_s;
+  has_velocity_ = m.has_velocity;
   if (m.has_velocity) {
     output_.velocity_rad_s = m.velocity_rad_s;
   } else if (seeded_ && velocity_.velocity().allFinite()) {
@@ -106,7 +110,7 @@ void Tick::estimate(const TickInput& input) noexcept {
   }
   model_.advance(effect_input_, dt_s);
   terms_ = model_.evaluate(effect_input_);
-  output_.f_s = observer_->update({terms_, effect_input_.q, effect_input_.dq, effect_input_.torque_Nm, dt_s});
+  output_.f_s = observer_->update(observerInput(dt_s));
   for (int joint = 0; joint < joints(); ++joint) {
     output_.f_s_filtered[joint] = estimate_filter_[static_cast<std::size_t>(joint)].step(output_.f_s[joint]);
   }
@@ -114,12 +118,23 @@ void Tick::estimate(const TickInput& input) noexcept {
   output_.estimated = true;
 }
 
+estimation::ObserverInput Tick::observerInput(double dt_s) const noexcept {
+  return {.terms = terms_,
+          .q = effect_input_.q,
+          .dq = effect_input_.dq,
+          .torque_Nm = effect_input_.torque_Nm,
+          .dt_s = dt_s,
+          .has_velocity = has_velocity_,
+          .model = &model_,
+          .activation = effect_input_.activation,
+          .time_s = effect_input_.time_s};
+}
+
 // Everything with a memory starts over at the present sample, with nothing known of f_u.
 void Tick::seed() noexcept {
   model_.reset(effect_input_);
   terms_ = model_.evaluate(effect_input_);
-  observer_->reset(
-      {terms_, effect_input_.q, effect_input_.dq, effect_input_.torque_Nm, settings_.encoder_period_s});
+  observer_->reset(observerInput(settings_.encoder_period_s));
   for (signal::BiquadCascade& filter : estimate_filter_) {
     filter.reset(0.0);
   }

@@ -29,7 +29,7 @@ struct TickSettings {
   double encoder_period_s = 1e-3;    ///< between two encoder samples; the estimators' unit of time
   double period_s = 1e-3;            ///< between two ticks
   double velocity_cutoff_Hz = 60.0;  ///< of the velocity derived from position, where the encoder gives none
-  double estimate_cutoff_Hz = 25.0;  ///< low-pass on f_s before compensation
+  double estimate_cutoff_Hz = 25.0;  ///< low-pass on f_s before compensation; 0: none
   /// The drives' report is a sample of a torque that changes, as a current sensor's is: the mean of two acted
   /// over the step between them. Otherwise it is the torque that was held over the step.
   bool drive_torque_sampled = false;
@@ -62,7 +62,7 @@ struct TickOutput {
   bool estimated = false;    ///< f_s is of a new encoder sample of this tick
   bool has_network = false;  ///< f_network is of this tick
   JointVector velocity_rad_s;
-  JointVector f_s;           ///< finite-time sampler, rad/s²
+  JointVector f_s;           ///< observer, by default the finite-time sampler, rad/s²
   JointVector f_s_filtered;  ///< low-passed
   JointVector f_network;     ///< attention-LSTM, rad/s²
   JointVector d_hat_Nm;      ///< I f_s_filtered: what the model does not explain, as torque
@@ -94,6 +94,7 @@ class Tick {
   void demand(const TickInput& input) noexcept;
   void decide(const TickInput& input) noexcept;
   void seed() noexcept;
+  estimation::ObserverInput observerInput(double dt_s) const noexcept;
 
   TickSettings settings_;
   model::DynamicsModel model_;
@@ -112,6 +113,7 @@ class Tick {
 
   TickOutput output_;
   model::EffectInput effect_input_;
+  bool has_velocity_ = false;  ///< effect_input_.dq was measured
   model::ModelTerms terms_;
   FeatureVector feature_values_{};
   std::vector<double> network_input_;

@@ -29,8 +29,9 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   line(true, true, "bus",
        fmt::format("{}: {} messages, {} of them read", config.bus.dbc_path.string(),
                    config.bus.database.messages.size(), decoder.messageCount()));
+  line(true, true, "observer", std::string(observerName(config.observer.kind)));
   line(true, true, "weights",
-       config.weights ? config.weights_path.string() : "none: the sampler alone estimates");
+       config.weights ? config.weights_path.string() : "none: the observer alone estimates");
 
   HostNeeds needs;
   needs.priority = config.realtime.priority;

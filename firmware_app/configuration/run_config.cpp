@@ -3,8 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/estimation/implicit_sampler.hpp"
-#include "core/estimation/printed_sampler.hpp"
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
 #include "firmware_app/files/toml_table.hpp"
@@ -230,12 +228,6 @@ std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
     located(config.weights_path, [&] { checkNetworkFits(*config.weights, config); });
   }
   return located(config.path, [&] {
-    std::unique_ptr<estimation::Observer> observer;
-    if (config.observer == ObserverKind::kImplicitSampler) {
-      observer = std::make_unique<estimation::ImplicitSampler>(config.sampler);
-    } else {
-      observer = std::make_unique<estimation::PrintedSampler>(config.sampler);
-    }
     std::unique_ptr<network::AttentionLstm> network;
     std::vector<std::string> features;
     auto output = network::OutputKind::kAcceleration;
@@ -244,7 +236,8 @@ std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
       features = config.weights->features;
       output = config.weights->output;
     }
-    return std::make_unique<tick::Tick>(config.tick, makeModel(config.model), std::move(observer),
+    return std::make_unique<tick::Tick>(config.tick, makeModel(config.model),
+                                        makeObserver(config.observer, config.model.joints()),
                                         std::move(network), features, output);
   });
 }

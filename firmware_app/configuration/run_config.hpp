@@ -8,13 +8,13 @@
 #include <optional>
 #include <string>
 
-#include "core/estimation/sampler_parameters.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/tick/tick.hpp"
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/gpio/gpiod_pins.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
+#include "firmware_app/configuration/estimation_config.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
@@ -36,8 +36,6 @@ Backend parseBackend(const std::string& text);
 enum class ClockKind { kMonotonic, kVirtual };
 /// Throws std::invalid_argument naming the text and what is expected.
 ClockKind parseClock(const std::string& text);
-
-enum class ObserverKind { kImplicitSampler, kPrintedSampler };
 
 /// Wins over the file where set.
 struct CommandLine {
@@ -72,8 +70,7 @@ struct RunConfig {
   std::optional<network::NetworkWeights> weights;
   std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
   std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any
-  ObserverKind observer = ObserverKind::kImplicitSampler;
-  estimation::SamplerParameters sampler;
+  ObserverConfig observer;
   tick::TickSettings tick;
   ModelDescription rig_model;  ///< the truth that the simulated rig lives by
   sim::RigOptions rig;

@@ -10,31 +10,10 @@ namespace patella::app {
 namespace {
 
 constexpr Range kShare{.minimum = 0.0, .maximum = 1.0};
-constexpr Range kCutoff{.minimum = 0.1, .maximum = 5000.0};
 constexpr double kPi = std::numbers::pi;
 
 JointVector toJointVector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-void readEstimation(const TomlTable& table, RunConfig& config) {
-  const std::string observer = table.choice(
-      "observer", std::vector<std::string>{"implicit_sampler", "printed_sampler"}, "implicit_sampler");
-  config.observer =
-      observer == "printed_sampler" ? ObserverKind::kPrintedSampler : ObserverKind::kImplicitSampler;
-  estimation::SamplerParameters& s = config.sampler;
-  s.k_d = table.number("k_d_1_s", kPositive, s.k_d);
-  s.delta = table.number("delta_rad_s2", kPositive, s.delta);
-  s.epsilon = table.number("epsilon", kPositive, s.epsilon);
-  s.p0 = static_cast<int>(table.integer("p0", 1, 99, s.p0));
-  s.q0 = static_cast<int>(table.integer("q0", 3, 101, s.q0));
-  tick::TickSettings& t = config.tick;
-  t.drive_torque_sampled =
-      table.choice("drive_torque", std::vector<std::string>{"held", "sampled"}, "held") == "sampled";
-  t.velocity_cutoff_Hz = table.number("velocity_cutoff_Hz", kCutoff, t.velocity_cutoff_Hz);
-  const Range below_nyquist{
-      .minimum = kCutoff.minimum, .maximum = 0.5 / t.encoder_period_s, .maximum_open = true};
-  t.estimate_cutoff_Hz = table.number("estimate_cutoff_Hz", below_nyquist, t.estimate_cutoff_Hz);
 }
 
 void readEmg(const TomlTable& table, RunConfig& config) {
@@ -193,7 +172,7 @@ void readSafety(const TomlTable& table, RunConfig& config) {
 void readTickConfig(const TomlTable& root, RunConfig& config) {
   config.tick.encoder_period_s = config.bus.map.encoder_period_s;
   config.tick.period_s = 1.0 / config.loop.rate_Hz;
-  readEstimation(root.optionalTable("estimation"), config);
+  config.observer = readEstimation(root.optionalTable("estimation"), config.model.joints(), config.tick);
   readEmg(root.optionalTable("emg"), config);
   readControl(root.optionalTable("control"), config);
   config.tick.reference = readReference(root.optionalTable("reference"), config);

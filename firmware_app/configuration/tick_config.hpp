@@ -6,8 +6,8 @@
 
 namespace patella::app {
 
-/// Reads [estimation], [emg], [control], [reference] and [safety] into config.tick, config.observer,
-/// config.sampler and config.loop. The model and the bus must have been read before. Throws FileError.
+/// Reads [estimation], [emg], [control], [reference] and [safety] into config.tick, config.observer
+/// and config.loop. The model and the bus must have been read before. Throws FileError.
 void readTickConfig(const TomlTable& root, RunConfig& config);
 
 /// Replaces the reference by that of a file, which holds what [reference] may hold. Throws FileError.

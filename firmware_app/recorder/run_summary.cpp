@@ -152,6 +152,7 @@ Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::B
                                                               : "replay";
   out["clock"] = config.clock == ClockKind::kVirtual ? "virtual" : "monotonic";
   out["rate_Hz"] = config.loop.rate_Hz;
+  out["observer"] = observerName(config.observer.kind);
   out["ticks"] = loop.ticks;
   out["inputs"] = inputs(config);
   if (config.backend.kind == BackendKind::kSim) {
@@ -208,8 +209,9 @@ Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::B
 
 std::string summaryText(const Json& s) {
   std::string text =
-      fmt::format("{} ticks at {} Hz, backend {}, clock {}\n", s["ticks"].get<std::uint64_t>(),
-                  s["rate_Hz"].get<double>(), s["backend"].get<std::string>(), s["clock"].get<std::string>());
+      fmt::format("{} ticks at {} Hz, backend {}, clock {}, observer {}\n", s["ticks"].get<std::uint64_t>(),
+                  s["rate_Hz"].get<double>(), s["backend"].get<std::string>(), s["clock"].get<std::string>(),
+                  s["observer"].get<std::string>());
   if (s.contains("realtime")) {
     const Json& r = s["realtime"];
     text += fmt::format("  {} priority {}, memory {}, PREEMPT_RT {}, governor {}{}\n",
@@ -251,8 +253,9 @@ std::string summaryText(const Json& s) {
   }
   if (s.contains("estimation_error")) {
     for (const auto& [name, error] : s["estimation_error"].items()) {
-      text += fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n", name,
-                          perJoint(error["mean_rad_s2"], "{:.4f}"), perJoint(error["max_rad_s2"], "{:.4f}"));
+      text += fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n",
+                          name == "sampler" ? "observer" : name, perJoint(error["mean_rad_s2"], "{:.4f}"),
+                          perJoint(error["max_rad_s2"], "{:.4f}"));
     }
   }
   if (s.contains("tracking_rms_rad")) {

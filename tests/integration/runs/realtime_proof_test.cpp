@@ -36,6 +36,38 @@ TEST_CASE("the loop thread neither allocates nor frees, with a network of either
   }
 }
 
+TEST_CASE("nor does it with any other observer, each of which finds what the model lacks") {
+  using app::ObserverKind;
+  for (const ObserverKind kind :
+       {ObserverKind::kTerminalSliding, ObserverKind::kMomentum, ObserverKind::kExtendedState,
+        ObserverKind::kSuperTwisting, ObserverKind::kKalmanTorque, ObserverKind::kKalmanForce}) {
+    CAPTURE(app::observerName(kind));
+    app::RunConfig config = test::demonstration(2.0);
+    config.observer.kind = kind;
+    config.observer.terminal_sliding.switching = 60.0;
+    config.observer.momentum.bandwidth_Hz = config.observer.extended_state_bandwidth_Hz = {10.0, 10.0};
+    config.observer.super_twisting = {.rate_bound = {500.0, 500.0}, .root_gain = {30.0, 30.0}};
+    config.observer.kalman = {.space = kind == ObserverKind::kKalmanForce
+                                           ? estimation::KalmanSettings::Space::kForce
+                                           : estimation::KalmanSettings::Space::kJointTorque,
+                              .position_noise_rad = 1.4e-5,
+                              .velocity_noise_rad_s = 5e-4,
+                              .torque_noise_Nm = 0.1,
+                              .disturbance_density = {300.0, 300.0},
+                              .disturbance_limit = 200.0,
+                              .rest_density_Nm = 10.0};
+    const app::LoopStatistics statistics = test::runInLockStep(config, false);
+    CHECK(statistics.final_state == safety::State::kActive);
+    CHECK(statistics.heap_allocations == 0);
+    CHECK(statistics.heap_frees == 0);
+    const auto samples = static_cast<double>(statistics.sampler_error.count);
+    CHECK(samples > 1900);
+    for (std::size_t joint = 0; joint < 2; ++joint) {
+      CHECK(statistics.sampler_error.sum[joint] / samples < 3.0);  // of 5 and 18 rad/s² rms
+    }
+  }
+}
+
 TEST_CASE("a loop that does allocate is found out") {
   if (!app::CountAllocations::available()) {
     MESSAGE("not counted in a sanitizer build");

@@ -8,12 +8,12 @@
 
 #include <doctest/doctest.h>
 
-#include "core/estimation/implicit_sampler.hpp"
+#include "core/estimation/fixed_lag_smoother.hpp"
 #include "core/estimation/printed_sampler.hpp"
-#include "core/estimation/velocity_estimator.hpp"
 #include "core/model/one_dof.hpp"
 #include "core/model/presets.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/unit/estimation/observed_leg.hpp"
 
 using namespace patella;
 using namespace patella::estimation;
@@ -40,7 +40,12 @@ std::uint64_t allocationsOf(model::DynamicsModel model) {
   const int joints = model.joints();
   ImplicitSampler implicit({});
   PrintedSampler printed({});
-  const std::array<Observer*, 2> observers{&implicit, &printed};
+  FixedLagSmoother lagged({}, joints, 20);
+  std::vector<Observer*> observers{&implicit, &printed, &lagged};
+  const std::vector<test::NamedObserver> others = test::allObservers(joints);
+  for (const test::NamedObserver& other : others) {
+    observers.push_back(other.observer.get());
+  }
   VelocityEstimator velocity(40.0);
 
   const std::uint64_t before = test::allocationCount();
@@ -49,6 +54,8 @@ std::uint64_t allocationsOf(model::DynamicsModel model) {
     const double time = 1e-3 * n;
     const JointVector q = JointVector::Constant(joints, std::sin(3.0 * time));
     ObserverInput input{.terms = {}, .q = q, .dq = q, .torque_Nm = q, .dt_s = 1e-3};
+    input.model = &model;
+    input.has_velocity = n < 400;
     if (n == 0) {
       velocity.reset(q);
     }

@@ -1,0 +1,65 @@
+// What the observers are measured on: motions with known truth, as a rig with a given noise would record
+// them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/model/dynamics_model.hpp"
+#include "tools/bench/sampler/paper_experiment.hpp"
+
+namespace patella::bench {
+
+enum class Noise : std::uint8_t {
+  kVelocity,     ///< preset paper, Gaussian 0.01 rad/s on velocity, position exact
+  kBothStates,   ///< preset paper, Gaussian 0.01 rad and rad/s
+  kEncoderOnly,  ///< preset physical, position from 14 bit, no velocity, torque off by Gaussian 0.02 N·m
+};
+
+/// velocity, both_states, encoder_only.
+std::string_view noiseName(Noise noise);
+
+struct Condition {
+  Experiment experiment = Experiment::kFirst;
+  Noise noise = Noise::kVelocity;
+
+  bool encoderOnly() const noexcept { return noise == Noise::kEncoderOnly; }
+};
+
+inline constexpr std::array kConditions{
+    Condition{Experiment::kFirst, Noise::kVelocity},    Condition{Experiment::kSecond, Noise::kVelocity},
+    Condition{Experiment::kFirst, Noise::kBothStates},  Condition{Experiment::kSecond, Noise::kBothStates},
+    Condition{Experiment::kFirst, Noise::kEncoderOnly}, Condition{Experiment::kSecond, Noise::kEncoderOnly},
+};
+
+inline constexpr double kRate_Hz = 1000.0;
+inline constexpr double kStateNoise = 0.01;      ///< rad and rad/s
+inline constexpr double kTorqueNoise_Nm = 0.02;  ///< encoder only
+inline constexpr int kEncoderBits = 14;          ///< encoder only
+
+/// One sample as recorded, and the truth beside it.
+struct RecordedSample {
+  JointVector q;
+  JointVector dq;         ///< encoder only: unused
+  JointVector torque_Nm;  ///< as commanded over the step that ends here
+  JointVector truth;      ///< f_u, rad/s²; encoder only: d = I f_u, N·m
+};
+
+struct Recording {
+  Condition condition;
+  std::vector<RecordedSample> samples;  ///< at kRate_Hz
+};
+
+/// The model that the observers are given in a condition; it is right but for the patient.
+model::DynamicsModel knownModel(Noise noise);
+
+/// Deterministic in all arguments; the seed decides the torques (paper), the torque's error and the noise.
+///
+/// Paper: paper_experiment.hpp. Physical: f_u = I⁻¹ Jᵀ h with h of the same two experiments; the leg follows
+/// phi1 = −π/2 + 0.4 + 0.35 sin πt, phi2 = −0.9 + 0.45 sin(πt + 0.8) under stiffness 20 and 15 N·m/rad and
+/// damping 2 and 1 N·m·s/rad, commanded each millisecond from the true state.
+Recording record(const Condition& condition, double seconds, std::uint64_t seed);
+
+}  // namespace patella::bench
