@@ -73,11 +73,10 @@ JointVector AttentionLstm::step(std::span<const double> features) noexcept PATEL
     output.setConstant(std::numeric_limits<double>::quiet_NaN());
     return output;
   }
-  prepare();
   const Signal* signal = &input_;
   float poison = 0.0F;
   for (LstmLayer& layer : layers_) {
-    layer.step(*functions_, *signal);
+    layer.step(*functions_, *signal, prepared_);
     signal = &layer.hidden();
     poison += signal->poison();
   }

@@ -39,7 +39,7 @@ class AttentionLstm {
   int outputs() const noexcept { return attention_.outputs(); }
 
   /// Largest difference of the outputs in int16 from those in float32, in units of output_scale, on a fixed
-  /// sequence of at least 2000 steps: sums of sines and noise, as wide as the normalisation promises and
+  /// sequence of at least 1000 steps: sums of sines and noise, as wide as the normalisation promises and
   /// three times as wide. NaN where one of them is not finite.
   static double int16Error(const NetworkWeights& weights);
 

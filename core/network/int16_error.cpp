@@ -40,7 +40,7 @@ double AttentionLstm::int16Error(const NetworkWeights& weights) {
   AttentionLstm rounded(weights, Precision::kInt16, functions);
   Noise noise;
   std::vector<double> features(weights.features.size());
-  const int half = 1000 + weights.window / 2;
+  const int half = 500 + weights.window / 2;
   double error = 0.0;
   for (int step = 0; step < 2 * half; ++step) {
     const double width = step < half ? 1.0 : 3.0;

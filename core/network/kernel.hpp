@@ -63,19 +63,32 @@ struct AttentionView {
   int count;            ///< steps that take part, from the start of the ring, the newest included
 };
 
-using Product = void(const FloatMatrix& matrix, const float* x, const float* start, float* y) noexcept;
-using ProductInt16 = void(const Int16Matrix& matrix, const std::int16_t* x, const float* start,
-                          float* y) noexcept;
+/// W x. x has as many elements as W has columns, those of int16 in units of 1 / kInt16One.
+struct FloatTerm {
+  FloatMatrix matrix;
+  const float* x;
+};
+struct Int16Term {
+  Int16Matrix matrix;
+  const std::int16_t* x;
+};
+
+/// y = start + W x; all have padded_rows elements. start may be y.
+template <typename Term>
+using Product = void(const Term& term, const float* start, float* y) noexcept;
+/// y = tanh(start + the sum of the terms), `rows` elements; the same bits as the terms one by one. The tanh's
+/// relative error is below 3e-7; it saturates at 1. start may be y.
+template <typename... Terms>
+using TanhOfSum = void(const Terms&... terms, int rows, const float* start, float* y) noexcept;
 
 struct Functions {
-  /// y = start + W x; x has `cols` elements, start and y have padded_rows. start may be y.
-  Product* product;
-  /// y = tanh(start + W x). The tanh's relative error is below 3e-7; it saturates at 1.
-  Product* product_tanh;
-
-  /// The same with x in units of 1 / kInt16One, padded_cols elements.
-  ProductInt16* product_int16;
-  ProductInt16* product_tanh_int16;
+  Product<FloatTerm>* product;
+  Product<Int16Term>* product_int16;
+  TanhOfSum<FloatTerm>* tanh_of;
+  TanhOfSum<Int16Term>* tanh_of_int16;
+  TanhOfSum<FloatTerm, FloatTerm>* tanh_of_both;
+  TanhOfSum<Int16Term, FloatTerm>* tanh_of_both_mixed;
+  TanhOfSum<Int16Term, Int16Term>* tanh_of_both_int16;
 
   /// y = x kInt16One, rounded; |x| <= 1, `size` a multiple of kPanel. Returns 0, or NaN where an x is not
   /// finite.

@@ -18,59 +18,66 @@ struct KernelLayers : KernelVectors<Isa> {
   using typename Base::Short;
   using typename Base::Unit;
 
-  template <bool kTanh>
-  static void product(const FloatMatrix& matrix, const float* __restrict x, const float* start,
-                      float* y) noexcept {
-    const float* __restrict weight = matrix.data;
-    const int cols = matrix.cols;
-    for (int panel = 0; panel < matrix.padded_rows; panel += kPanel) {
+  /// total += the panel's rows of W x.
+  PATELLA_KERNEL void addPanel(const FloatTerm& term, int panel, Float (&total)[kVectors]) noexcept {
+    const int cols = term.matrix.cols;
+    const float* __restrict x = term.x;
+    const float* __restrict weight = term.matrix.data + panel * cols;
+    for (int first = 0; first < cols; first += kSumBlock) {
+      const int last = first + kSumBlock < cols ? first + kSumBlock : cols;
+      Float sum[kVectors] = {};
+      for (int col = first; col < last; ++col) {
+        Base::template forEach<kVectors>(
+            [&](int i) { sum[i] += Base::template load<Float>(weight + i * kLanes) * x[col]; });
+        weight += kPanel;
+      }
+      Base::template forEach<kVectors>([&](int i) { total[i] += sum[i]; });
+    }
+  }
+
+  PATELLA_KERNEL void addPanel(const Int16Term& term, int panel, Float (&total)[kVectors]) noexcept {
+    const int cols = term.matrix.padded_cols;
+    const std::int16_t* __restrict x = term.x;
+    const std::int16_t* __restrict weight = term.matrix.data + panel * cols;
+    Float all[kVectors] = {};
+    for (int first = 0; first < cols; first += kInt16Block) {
+      const int last = first + kInt16Block < cols ? first + kInt16Block : cols;
+      Int sum[kVectors] = {};
+      for (int col = first; col < last; col += 2) {
+        std::int32_t pair;
+        __builtin_memcpy(&pair, x + col, sizeof(pair));
+        const Short both = reinterpret_cast<Short>(pair - Int{});
+        Base::template forEach<kVectors>([&](int i) {
+          sum[i] += Isa::multiplyPairs(Base::template load<Short>(weight + 2 * i * kLanes), both);
+        });
+        weight += 2 * kPanel;
+      }
+      Base::template forEach<kVectors>([&](int i) { all[i] += __builtin_convertvector(sum[i], Float); });
+    }
+    Base::template forEach<kVectors>([&](int i) {
+      total[i] += all[i] * Base::template load<Float>(term.matrix.row_scale + panel + i * kLanes);
+    });
+  }
+
+  template <typename Term>
+  static void product(const Term& term, const float* start, float* y) noexcept {
+    for (int panel = 0; panel < term.matrix.padded_rows; panel += kPanel) {
       Float total[kVectors];
       Base::template forEach<kVectors>(
           [&](int i) { total[i] = Base::template load<Float>(start + panel + i * kLanes); });
-      for (int first = 0; first < cols; first += kSumBlock) {
-        const int last = first + kSumBlock < cols ? first + kSumBlock : cols;
-        Float sum[kVectors] = {};
-        for (int col = first; col < last; ++col) {
-          Base::template forEach<kVectors>(
-              [&](int i) { sum[i] += Base::template load<Float>(weight + i * kLanes) * x[col]; });
-          weight += kPanel;
-        }
-        Base::template forEach<kVectors>([&](int i) { total[i] += sum[i]; });
-      }
-      if constexpr (kTanh)
-        Base::tanhOfPanel(total);
+      addPanel(term, panel, total);
       Base::template forEach<kVectors>([&](int i) { Base::store(y + panel + i * kLanes, total[i]); });
     }
   }
 
-  template <bool kTanh>
-  static void productInt16(const Int16Matrix& matrix, const std::int16_t* __restrict x, const float* start,
-                           float* y) noexcept {
-    const std::int16_t* __restrict weight = matrix.data;
-    const int cols = matrix.padded_cols;
-    for (int panel = 0; panel < matrix.padded_rows; panel += kPanel) {
-      Float total[kVectors] = {};
-      for (int first = 0; first < cols; first += kInt16Block) {
-        const int last = first + kInt16Block < cols ? first + kInt16Block : cols;
-        Int sum[kVectors] = {};
-        for (int col = first; col < last; col += 2) {
-          std::int32_t pair;
-          __builtin_memcpy(&pair, x + col, sizeof(pair));
-          const Short both = reinterpret_cast<Short>(pair - Int{});
-          Base::template forEach<kVectors>([&](int i) {
-            sum[i] += Isa::multiplyPairs(Base::template load<Short>(weight + 2 * i * kLanes), both);
-          });
-          weight += 2 * kPanel;
-        }
-        Base::template forEach<kVectors>([&](int i) { total[i] += __builtin_convertvector(sum[i], Float); });
-      }
-      Base::template forEach<kVectors>([&](int i) {
-        const int row = panel + i * kLanes;
-        total[i] = Base::template load<Float>(start + row) +
-                   total[i] * Base::template load<Float>(matrix.row_scale + row);
-      });
-      if constexpr (kTanh)
-        Base::tanhOfPanel(total);
+  template <typename... Terms>
+  static void tanhOfSum(const Terms&... terms, int rows, const float* start, float* y) noexcept {
+    for (int panel = 0; panel < rows; panel += kPanel) {
+      Float total[kVectors];
+      Base::template forEach<kVectors>(
+          [&](int i) { total[i] = Base::template load<Float>(start + panel + i * kLanes); });
+      (addPanel(terms, panel, total), ...);
+      Base::tanhOfPanel(total);
       Base::template forEach<kVectors>([&](int i) { Base::store(y + panel + i * kLanes, total[i]); });
     }
   }

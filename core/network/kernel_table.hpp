@@ -9,10 +9,13 @@ namespace patella::network::kernel {
 template <typename Isa>
 constexpr Functions functionsOf() noexcept {
   using Layers = KernelLayers<Isa>;
-  return {.product = Layers::template product<false>,
-          .product_tanh = Layers::template product<true>,
-          .product_int16 = Layers::template productInt16<false>,
-          .product_tanh_int16 = Layers::template productInt16<true>,
+  return {.product = Layers::template product<FloatTerm>,
+          .product_int16 = Layers::template product<Int16Term>,
+          .tanh_of = Layers::template tanhOfSum<FloatTerm>,
+          .tanh_of_int16 = Layers::template tanhOfSum<Int16Term>,
+          .tanh_of_both = Layers::template tanhOfSum<FloatTerm, FloatTerm>,
+          .tanh_of_both_mixed = Layers::template tanhOfSum<Int16Term, FloatTerm>,
+          .tanh_of_both_int16 = Layers::template tanhOfSum<Int16Term, Int16Term>,
           .quantise = Layers::quantise,
           .lstm_cell = Layers::lstmCell,
           .attend = KernelAttention<Isa>::attend};

@@ -33,17 +33,27 @@ int LinearMap::paddedRows() const noexcept {
 void LinearMap::product(const kernel::Functions& functions, const Signal& x, const float* start,
                         float* y) const noexcept {
   if (int16_)
-    functions.product_int16(int16_->view(), x.rounded(), start, y);
+    functions.product_int16(int16Term(x), start, y);
   else
-    functions.product(float_->view(), x.data(), start, y);
+    functions.product(floatTerm(x), start, y);
 }
 
 void LinearMap::productTanh(const kernel::Functions& functions, const Signal& x, const float* start,
                             float* y) const noexcept {
   if (int16_)
-    functions.product_tanh_int16(int16_->view(), x.rounded(), start, y);
+    functions.tanh_of_int16(int16Term(x), paddedRows(), start, y);
   else
-    functions.product_tanh(float_->view(), x.data(), start, y);
+    functions.tanh_of(floatTerm(x), paddedRows(), start, y);
+}
+
+void LinearMap::productTanh(const kernel::Functions& functions, const Signal& x, const LinearMap& other,
+                            const Signal& z, const float* start, float* y) const noexcept {
+  if (!int16_)
+    functions.tanh_of_both(floatTerm(x), other.floatTerm(z), paddedRows(), start, y);
+  else if (!other.int16_)
+    functions.tanh_of_both_mixed(int16Term(x), other.floatTerm(z), paddedRows(), start, y);
+  else
+    functions.tanh_of_both_int16(int16Term(x), other.int16Term(z), paddedRows(), start, y);
 }
 
 }  // namespace patella::network

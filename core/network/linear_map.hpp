@@ -42,8 +42,14 @@ class LinearMap {
   /// y = tanh(start + W x)
   void productTanh(const kernel::Functions& functions, const Signal& x, const float* start,
                    float* y) const noexcept;
+  /// y = tanh(start + W x + V z) in one pass, with the bits of the two in turn. V is in float32 where W is.
+  void productTanh(const kernel::Functions& functions, const Signal& x, const LinearMap& other,
+                   const Signal& z, const float* start, float* y) const noexcept;
 
  private:
+  kernel::FloatTerm floatTerm(const Signal& x) const noexcept { return {float_->view(), x.data()}; }
+  kernel::Int16Term int16Term(const Signal& x) const noexcept { return {int16_->view(), x.rounded()}; }
+
   // One of the two.
   std::optional<PackedMatrix> float_;
   std::optional<PackedInt16Matrix> int16_;

@@ -50,8 +50,11 @@ void LstmLayer::prepare(const kernel::Functions& functions) noexcept {
   hidden_weight_.product(functions, hidden_, bias_.data(), gates_.data());
 }
 
-void LstmLayer::step(const kernel::Functions& functions, const Signal& input) noexcept {
-  input_weight_.productTanh(functions, input, gates_.data(), gates_.data());
+void LstmLayer::step(const kernel::Functions& functions, const Signal& input, bool prepared) noexcept {
+  if (prepared)
+    input_weight_.productTanh(functions, input, gates_.data(), gates_.data());
+  else
+    hidden_weight_.productTanh(functions, hidden_, input_weight_, input, bias_.data(), gates_.data());
   functions.lstm_cell(gates_.data(), units_, cell_.data(), hidden_.data());
   hidden_.round(functions);
 }

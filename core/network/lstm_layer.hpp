@@ -13,10 +13,11 @@ class LstmLayer {
   LstmLayer(const LstmWeights& weights, Precision input_precision, Precision precision);
 
   void reset() noexcept;
-  /// The share of the past: W_hh h + b.
+  /// The share of the past: W_hh h + b. Optional.
   void prepare(const kernel::Functions& functions) noexcept;
-  /// The share of the input, to follow prepare(). `input` has as many elements as weight_ih has columns.
-  void step(const kernel::Functions& functions, const Signal& input) noexcept;
+  /// `input` has as many elements as weight_ih has columns. `prepared`: prepare() was called after the last
+  /// step, so that only the share of the input is left to do; the result is the same to the bit.
+  void step(const kernel::Functions& functions, const Signal& input, bool prepared) noexcept;
   /// h, as many elements as the layer has units.
   const Signal& hidden() const noexcept { return hidden_; }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/estimation/sampler_parameters.hpp"
+#include "core/network/inference_options.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/tick/tick.hpp"
 #include "drivers/can/command_encoder.hpp"
@@ -70,6 +71,7 @@ struct RunConfig {
   ModelDescription model;
   BusDescription bus;
   std::optional<network::NetworkWeights> weights;
+  network::InferenceOptions inference;
   std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
   std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any
   ObserverKind observer = ObserverKind::kImplicitSampler;

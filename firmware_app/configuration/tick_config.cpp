@@ -37,6 +37,25 @@ void readEstimation(const TomlTable& table, RunConfig& config) {
   t.estimate_cutoff_Hz = table.number("estimate_cutoff_Hz", below_nyquist, t.estimate_cutoff_Hz);
 }
 
+void readNetwork(const TomlTable& table, RunConfig& config) {
+  network::InferenceOptions& inference = config.inference;
+  const std::string precision =
+      table.choice("precision", std::vector<std::string>{"float32", "int16"}, "float32");
+  inference.precision = precision == "int16" ? network::Precision::kInt16 : network::Precision::kFloat32;
+  inference.int16_tolerance = table.number("int16_tolerance", kPositive, inference.int16_tolerance);
+  std::vector<std::string> names = {"auto"};
+  const std::vector<network::InstructionSet> sets = network::availableInstructionSets();
+  for (const network::InstructionSet set : sets) {
+    names.push_back(network::nameOf(set));
+  }
+  const std::string name = table.choice("instruction_set", names, "auto");
+  for (const network::InstructionSet set : sets) {
+    if (network::nameOf(set) == name) {
+      inference.instruction_set = set;
+    }
+  }
+}
+
 void readEmg(const TomlTable& table, RunConfig& config) {
   emg::EmgSettings& e = config.tick.emg;
   e.rate_Hz = 1.0 / config.bus.map.emg_period_s;
@@ -194,6 +213,7 @@ void readTickConfig(const TomlTable& root, RunConfig& config) {
   config.tick.encoder_period_s = config.bus.map.encoder_period_s;
   config.tick.period_s = 1.0 / config.loop.rate_Hz;
   readEstimation(root.optionalTable("estimation"), config);
+  readNetwork(root.optionalTable("network"), config);
   readEmg(root.optionalTable("emg"), config);
   readControl(root.optionalTable("control"), config);
   config.tick.reference = readReference(root.optionalTable("reference"), config);

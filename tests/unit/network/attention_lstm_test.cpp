@@ -116,12 +116,12 @@ TEST_CASE("streaming equals the equations for any number of heads") {
 TEST_CASE("when prepare() is called, and which variant runs, does not change a bit") {
   for (const Precision precision : {Precision::kFloat32, Precision::kInt16})
     for (const int layers : {1, 2})
-      for (const int heads : {8, 2, 16}) {
+      for (const int heads : {8, 2}) {
         RandomNetworkOptions options;
         options.shape.layers = layers;
         options.heads = heads;
         const NetworkWeights weights = randomNetwork(options);
-        const Eigen::MatrixXd features = randomFeatures(weights, 300, 8);
+        const Eigen::MatrixXd features = randomFeatures(weights, 100, 8);
         AttentionLstm widest(weights, {.precision = precision});
         const Eigen::MatrixXd expected = run(widest, features, Pattern::kOnePhase);
         for (const InstructionSet set : availableInstructionSets()) {

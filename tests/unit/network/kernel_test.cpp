@@ -29,7 +29,7 @@ std::vector<float> tanhOf(const Functions& functions, const std::vector<float>& 
   AlignedFloats y(zero.paddedRows());
   std::copy(arguments.begin(), arguments.end(), y.data());
   const float x = 0.0F;
-  functions.product_tanh(zero.view(), &x, y.data(), y.data());
+  functions.tanh_of({zero.view(), &x}, zero.paddedRows(), y.data(), y.data());
   return {y.data(), y.data() + count};
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("a packed product equals Eigen's for sizes on either side of a panel a
         const PackedMatrix packed(matrix);
         AlignedFloats y(packed.paddedRows());
         y.data()[0] = 2.0F;
-        kernel::functionsFor(set).product(packed.view(), x.data(), y.data(), y.data());
+        kernel::functionsFor(set).product({packed.view(), x.data()}, y.data(), y.data());
         Eigen::VectorXd expected = matrix * x.cast<double>();
         expected[0] += 2.0;
         for (Eigen::Index row = 0; row < packed.paddedRows(); ++row)
@@ -158,7 +158,7 @@ TEST_CASE("an int16 product errs by the rounding of weights and activations, and
           CHECK(functions.quantise(padded.data(), padded.size(), rounded.data()) == 0.0F);
           AlignedFloats y(packed.paddedRows());
           y.data()[0] = 2.0F;
-          functions.product_int16(packed.view(), rounded.data(), y.data(), y.data());
+          functions.product_int16({packed.view(), rounded.data()}, y.data(), y.data());
           Eigen::VectorXd expected = matrix * x.cast<double>();
           expected[0] += 2.0;
           const double tolerance = (extreme ? 3.0 : 1.0) * static_cast<double>(cols) * 1.3e-4 + 1e-6;
@@ -234,11 +234,10 @@ TEST_CASE("every variant, on every machine, gives the same bits") {
     CAPTURE(nameOf(set));
     const Functions& functions = kernel::functionsFor(set);
     AlignedFloats y(96);
-    functions.product({.data = weights.data(), .padded_rows = 96, .cols = 40}, x.data(), start.data(),
-                      y.data());
+    const kernel::FloatMatrix matrix{.data = weights.data(), .padded_rows = 96, .cols = 40};
+    functions.product({matrix, x.data()}, start.data(), y.data());
     AlignedFloats gates(96);
-    functions.product_tanh({.data = weights.data(), .padded_rows = 96, .cols = 40}, y.data(), start.data(),
-                           gates.data());
+    functions.tanh_of({matrix, y.data()}, 96, start.data(), gates.data());
     AlignedFloats cell(32);
     std::copy_n(old_cell.data(), 32, cell.data());
     AlignedFloats hidden(32);
