@@ -148,23 +148,25 @@ void run(const MeasurementOptions& options) {
   std::printf("  SKIPPED: ONNX Runtime, for which there is no peer in this build\n");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app(
-      "Times a step of the network against the memory it reads and against peers, interleaved in one run.");
+int runFromCommandLine(int argc, char** argv) {
+  CLI::App app("Times a step of the network against the memory it reads and against peers, taking turns.");
   MeasurementOptions options;
   app.add_option("--rounds", options.rounds, "turns of every contender")->check(CLI::Range(1, 100000));
   app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")->check(CLI::Range(1, 10000));
-  app.add_option("--eviction-MB", options.eviction_MB,
-                 "memory written to empty the caches; twice the largest")
+  app.add_option("--eviction-MB", options.eviction_MB, "memory written to empty the caches")
       ->check(CLI::Range(1, 4096));
   CLI11_PARSE(app, argc, argv);
+  run(options);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    run(options);
+    return runFromCommandLine(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "patella-bench-inference: %s\n", error.what());
     return 1;
   }
-  return 0;
 }

@@ -99,7 +99,8 @@ std::vector<Timing> measure(std::vector<Contender>& contenders, Condition condit
 }
 
 double quantileOf(std::vector<double> values, double quantile) {
-  const auto rank = static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size() - 1) + 0.5);
+  const auto rank =
+      static_cast<std::ptrdiff_t>(std::lround(quantile * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
   return values[static_cast<std::size_t>(rank)];
 }
