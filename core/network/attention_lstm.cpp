@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "core/network/kernel.hpp"
+#include <sstream>
+#include <stdexcept>
 
 namespace patella::network {
 
@@ -15,20 +15,40 @@ const NetworkWeights& checked(const NetworkWeights& weights) {
   return weights;
 }
 
+Precision checkedPrecision(const NetworkWeights& weights, const InferenceOptions& options) {
+  if (options.precision == Precision::kInt16) {
+    const double error = AttentionLstm::int16Error(weights);
+    if (!(error <= options.int16_tolerance)) {
+      std::ostringstream message;
+      message << "precision 'int16': outputs differ from float32 by " << error
+              << " of output_scale, expected at most " << options.int16_tolerance;
+      throw std::invalid_argument(message.str());
+    }
+  }
+  return options.precision;
+}
+
 }  // namespace
 
-AttentionLstm::AttentionLstm(const NetworkWeights& weights)
-    : feature_mean_(checked(weights).feature_mean),
+AttentionLstm::AttentionLstm(const NetworkWeights& weights, const InferenceOptions& options)
+    : AttentionLstm(weights, checkedPrecision(checked(weights), options),
+                    kernel::functionsFor(options.instruction_set)) {}
+
+AttentionLstm::AttentionLstm(const NetworkWeights& weights, Precision precision,
+                             const kernel::Functions& functions)
+    : functions_(&functions),
+      feature_mean_(weights.feature_mean),
       feature_inverse_scale_(weights.feature_scale.cwiseInverse()),
-      normalised_(weights.features.size()),
+      // Features have no bound that 16 bits could be laid over.
+      input_(static_cast<int>(weights.features.size()), Precision::kFloat32),
       layers_(),
-      dense_weight_(weights.fc_weight.cast<double>()),
+      dense_weight_(weights.fc_weight.cast<double>(), precision),
       dense_bias_(dense_weight_.paddedRows()),
-      dense_(dense_weight_.paddedRows()),
-      attention_(weights) {
+      dense_(dense_weight_.paddedRows(), precision),
+      attention_(weights, precision) {
   layers_.reserve(weights.lstm.size());
   for (const LstmWeights& layer : weights.lstm)
-    layers_.emplace_back(layer);
+    layers_.emplace_back(layer, layers_.empty() ? Precision::kFloat32 : precision, precision);
   std::copy_n(weights.fc_bias.data(), weights.fc_bias.size(), dense_bias_.data());
 }
 
@@ -43,7 +63,7 @@ void AttentionLstm::prepare() noexcept PATELLA_NONBLOCKING {
   if (prepared_)
     return;
   for (LstmLayer& layer : layers_)
-    layer.prepare();
+    layer.prepare(*functions_);
   prepared_ = true;
 }
 
@@ -53,29 +73,30 @@ JointVector AttentionLstm::step(std::span<const double> features) noexcept PATEL
     output.setConstant(std::numeric_limits<double>::quiet_NaN());
     return output;
   }
-  prepare();
-  const float* signal = normalised_.data();
+  const Signal* signal = &input_;
+  float poison = 0.0F;
   for (LstmLayer& layer : layers_) {
-    layer.step(signal);
-    signal = layer.hidden();
+    layer.step(*functions_, *signal, prepared_);
+    signal = &layer.hidden();
+    poison += signal->poison();
   }
-  std::copy_n(dense_bias_.data(), dense_bias_.size(), dense_.data());
-  kernel::addProduct(dense_weight_, signal, dense_.data());
-  kernel::tanhInPlace(dense_.data(), dense_.size());
-  attention_.step(dense_.data(), output.data());
+  dense_weight_.productTanh(*functions_, *signal, dense_bias_.data(), dense_.data());
+  dense_.round(*functions_);
+  attention_.step(*functions_, dense_, output.data());
+  output.array() += static_cast<double>(poison + dense_.poison());
   prepared_ = false;
   return output;
 }
 
 bool AttentionLstm::normalise(std::span<const double> features) noexcept {
-  if (features.size() != normalised_.size())
+  if (features.size() != static_cast<std::size_t>(feature_mean_.size()))
     return false;
   bool finite = true;
   for (std::size_t i = 0; i < features.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
     const double value = (features[i] - feature_mean_[index]) * feature_inverse_scale_[index];
     const bool fits = std::abs(value) <= std::numeric_limits<float>::max();
-    normalised_[i] = fits ? static_cast<float>(value) : 0.0F;
+    input_.data()[i] = fits ? static_cast<float>(value) : 0.0F;
     finite = finite && fits;
   }
   return finite;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/network/causal_attention.hpp"
+#include "core/network/inference_options.hpp"
 #include "core/network/lstm_layer.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/types.hpp"
@@ -12,13 +13,15 @@
 namespace patella::network {
 
 /// Features -> LSTM (one or two layers) -> dense -> tanh -> causal multi-head attention over the last
-/// `window` steps, (31) to (34) -> dense. float32 inside, double at both ends; no heap after construction;
-/// the same inputs give the same bits. What PyTorch computes with a causal mask over the whole sequence, this
-/// computes step by step. Movable, not copyable.
+/// `window` steps, (31) to (34) -> dense. float32 or int16 inside, double at both ends; no heap after
+/// construction; the same inputs give the same bits, with every instruction set. What PyTorch computes with a
+/// causal mask over the whole sequence, this computes step by step. Movable, not copyable.
 class AttentionLstm {
  public:
-  /// Throws std::invalid_argument naming the tensor or quantity that does not fit (see checkWeights).
-  explicit AttentionLstm(const NetworkWeights& weights);
+  /// Throws std::invalid_argument naming the tensor or quantity that does not fit (see checkWeights), an
+  /// instruction set that the processor lacks, or how far int16 is from float32 (see int16Error) where that
+  /// is more than `options` tolerate.
+  explicit AttentionLstm(const NetworkWeights& weights, const InferenceOptions& options = {});
 
   /// Forgets the past, as when the loop is enabled anew.
   void reset() noexcept;
@@ -35,18 +38,25 @@ class AttentionLstm {
   int inputs() const noexcept { return static_cast<int>(feature_mean_.size()); }
   int outputs() const noexcept { return attention_.outputs(); }
 
+  /// Largest difference of the outputs in int16 from those in float32, in units of output_scale, on a fixed
+  /// sequence of at least 1000 steps: sums of sines and noise, as wide as the normalisation promises and
+  /// three times as wide. NaN where one of them is not finite.
+  static double int16Error(const NetworkWeights& weights);
+
  private:
+  AttentionLstm(const NetworkWeights& weights, Precision precision, const kernel::Functions& functions);
   bool normalise(std::span<const double> features) noexcept;
 
+  const kernel::Functions* functions_;
   // Taken off in double: folded into float weights, a mean much larger than the scale (time, a bent knee)
   // would cost digits.
   Eigen::VectorXd feature_mean_;
   Eigen::VectorXd feature_inverse_scale_;
-  std::vector<float> normalised_;
+  Signal input_;
   std::vector<LstmLayer> layers_;
-  PackedMatrix dense_weight_;
+  LinearMap dense_weight_;
   AlignedFloats dense_bias_;
-  AlignedFloats dense_;
+  Signal dense_;
   CausalAttention attention_;
   bool prepared_ = false;
 };

@@ -1,13 +1,43 @@
 #include "core/network/causal_attention.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-
-#include "core/network/kernel.hpp"
 
 namespace patella::network {
 
 namespace {
+
+using kernel::HeadLayout;
+using kernel::kHeadLanes;
+
+HeadLayout layoutOf(const NetworkWeights& weights) {
+  HeadLayout layout{};
+  layout.groups = roundUp(weights.heads, kHeadLanes) / kHeadLanes;
+  layout.heads = weights.heads < kHeadLanes
+                     ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(weights.heads)))
+                     : kHeadLanes;
+  layout.steps = kHeadLanes / layout.heads;
+  layout.head_channels = static_cast<int>(weights.fc_weight.rows()) / weights.heads;
+  layout.outputs = static_cast<int>(weights.output_weight.rows());
+  layout.blocks = roundUp(weights.window, layout.steps) / layout.steps;
+  layout.query_rows = layout.groups * layout.head_channels * layout.heads;
+  return layout;
+}
+
+int valueRows(const HeadLayout& layout) {
+  return layout.groups * layout.outputs * layout.heads;
+}
+
+/// Size of a ring that holds `rows` numbers of each head.
+int ringFloats(const HeadLayout& layout, int rows) {
+  return layout.groups * layout.blocks * rows * kHeadLanes;
+}
+
+/// Where the kernel wants row `row` of a head that has `rows` of them.
+int positionOf(const HeadLayout& layout, int head, int row, int rows) {
+  return (head / kHeadLanes * rows + row) * layout.heads + head % kHeadLanes;
+}
 
 double queryScale(const NetworkWeights& weights) {
   const double head_channels = static_cast<double>(weights.fc_weight.rows()) / weights.heads;
@@ -20,19 +50,23 @@ Eigen::MatrixXd outputOfContext(const NetworkWeights& weights) {
          weights.out_proj_weight.cast<double>();
 }
 
-Eigen::MatrixXd projection(const NetworkWeights& weights) {
+Eigen::MatrixXd projection(const NetworkWeights& weights, const HeadLayout& layout) {
   const Eigen::Index channels = weights.fc_weight.rows();
-  const Eigen::Index outputs = weights.output_weight.rows();
-  const Eigen::Index head_channels = channels / weights.heads;
   const Eigen::MatrixXd in_proj = weights.in_proj_weight.cast<double>();
   const Eigen::MatrixXd to_output = outputOfContext(weights);
-  Eigen::MatrixXd rows(2 * channels + weights.heads * outputs, channels);
-  rows.topRows(channels) = in_proj.topRows(channels) * queryScale(weights);
-  rows.middleRows(channels, channels) = in_proj.middleRows(channels, channels);
-  for (Eigen::Index head = 0; head < weights.heads; ++head)
-    rows.middleRows(2 * channels + head * outputs, outputs) =
-        to_output.middleCols(head * head_channels, head_channels) *
-        in_proj.middleRows(2 * channels + head * head_channels, head_channels);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * layout.query_rows + valueRows(layout), channels);
+  for (int head = 0; head < weights.heads; ++head) {
+    const Eigen::Index first = head * layout.head_channels;
+    for (int channel = 0; channel < layout.head_channels; ++channel) {
+      const int position = positionOf(layout, head, channel, layout.head_channels);
+      rows.row(position) = in_proj.row(first + channel) * queryScale(weights);
+      rows.row(layout.query_rows + position) = in_proj.row(channels + first + channel);
+    }
+    const Eigen::MatrixXd folded = to_output.middleCols(first, layout.head_channels) *
+                                   in_proj.middleRows(2 * channels + first, layout.head_channels);
+    for (int output = 0; output < layout.outputs; ++output)
+      rows.row(2 * layout.query_rows + positionOf(layout, head, output, layout.outputs)) = folded.row(output);
+  }
   return rows;
 }
 
@@ -45,21 +79,22 @@ Eigen::VectorXd constantOutput(const NetworkWeights& weights) {
 
 }  // namespace
 
-CausalAttention::CausalAttention(const NetworkWeights& weights)
-    : channels_(static_cast<int>(weights.fc_weight.rows())),
-      heads_(weights.heads),
+CausalAttention::CausalAttention(const NetworkWeights& weights, Precision precision)
+    : layout_(layoutOf(weights)),
       window_(weights.window),
-      stride_(roundUpToPanel(window_)),
-      project_(projection(weights)),
+      project_(projection(weights, layout_), precision),
       bias_(project_.paddedRows()),
       projected_(project_.paddedRows()),
-      keys_(channels_ * stride_),
-      values_(heads_ * static_cast<int>(weights.output_weight.rows()) * stride_),
-      weights_(stride_),
+      keys_(ringFloats(layout_, layout_.head_channels)),
+      values_(ringFloats(layout_, layout_.outputs)),
+      query_(layout_.head_channels * kHeadLanes),
+      weights_(roundUp(layout_.blocks * kHeadLanes, kernel::kWeightPadding)),
       constant_(constantOutput(weights)) {
   const double scale = queryScale(weights);
-  for (int channel = 0; channel < channels_; ++channel)
-    bias_.data()[channel] = static_cast<float>(static_cast<double>(weights.in_proj_bias[channel]) * scale);
+  for (int head = 0; head < weights.heads; ++head)
+    for (int channel = 0; channel < layout_.head_channels; ++channel)
+      bias_.data()[positionOf(layout_, head, channel, layout_.head_channels)] = static_cast<float>(
+          static_cast<double>(weights.in_proj_bias[head * layout_.head_channels + channel]) * scale);
 }
 
 void CausalAttention::reset() noexcept {
@@ -69,29 +104,20 @@ void CausalAttention::reset() noexcept {
   count_ = 0;
 }
 
-void CausalAttention::step(const float* input, double* output) noexcept {
-  std::copy_n(bias_.data(), bias_.size(), projected_.data());
-  kernel::addProduct(project_, input, projected_.data());
-  const float* key = projected_.data() + channels_;
-  for (int channel = 0; channel < channels_; ++channel)
-    keys_.data()[channel * stride_ + slot_] = key[channel];
-  const float* value = key + channels_;
-  for (int row = 0; row < heads_ * outputs(); ++row)
-    values_.data()[row * stride_ + slot_] = value[row];
-  slot_ = slot_ + 1 == window_ ? 0 : slot_ + 1;
+void CausalAttention::step(const kernel::Functions& functions, const Signal& input, double* output) noexcept {
+  project_.product(functions, input, bias_.data(), projected_.data());
   count_ = std::min(count_ + 1, window_);
-
   std::copy_n(constant_.data(), outputs(), output);
-  kernel::attend({.query = projected_.data(),
-                  .keys = keys_.data(),
-                  .values = values_.data(),
-                  .weights = weights_.data(),
-                  .heads = heads_,
-                  .head_channels = channels_ / heads_,
-                  .outputs = outputs(),
-                  .stride = stride_,
-                  .count = count_},
-                 output);
+  functions.attend({.layout = layout_,
+                    .newest = projected_.data(),
+                    .keys = keys_.data(),
+                    .values = values_.data(),
+                    .query = query_.data(),
+                    .weights = weights_.data(),
+                    .slot = slot_,
+                    .count = count_},
+                   output);
+  slot_ = slot_ + 1 == window_ ? 0 : slot_ + 1;
 }
 
 }  // namespace patella::network

@@ -1,8 +1,8 @@
 // Multi-head attention of the newest step over the last W steps, output layer included.
 #pragma once
 
+#include "core/network/linear_map.hpp"
 #include "core/network/network_weights.hpp"
-#include "core/network/packed_matrix.hpp"
 
 namespace patella::network {
 
@@ -12,23 +12,22 @@ namespace patella::network {
 /// score and cancels in the softmax. Output scale and mean are in the same matrix and constant.
 class CausalAttention {
  public:
-  explicit CausalAttention(const NetworkWeights& weights);
+  CausalAttention(const NetworkWeights& weights, Precision precision);
 
   void reset() noexcept;
   /// `input` has D elements; `output` one double per joint, in physical units.
-  void step(const float* input, double* output) noexcept;
-  int outputs() const noexcept { return static_cast<int>(constant_.size()); }
+  void step(const kernel::Functions& functions, const Signal& input, double* output) noexcept;
+  int outputs() const noexcept { return layout_.outputs; }
 
  private:
-  int channels_;
-  int heads_;
+  kernel::HeadLayout layout_;
   int window_;
-  int stride_;            ///< window, padded
-  PackedMatrix project_;  ///< rows: query, key, folded value
+  LinearMap project_;  ///< rows: query, key, folded value
   AlignedFloats bias_;
   AlignedFloats projected_;
-  AlignedFloats keys_;    ///< channels x stride
-  AlignedFloats values_;  ///< (heads * outputs) x stride
+  AlignedFloats keys_;
+  AlignedFloats values_;
+  AlignedFloats query_;
   AlignedFloats weights_;
   Eigen::VectorXd constant_;
   int slot_ = 0;   ///< where the next step goes

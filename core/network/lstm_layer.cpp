@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/network/kernel.hpp"
-
 namespace patella::network {
 
 namespace {
@@ -21,7 +19,7 @@ Eigen::MatrixXd interleaveGates(const Eigen::MatrixXd& rows, Eigen::Index padded
   for (Eigen::Index gate = 0; gate < 4; ++gate)
     for (Eigen::Index unit = 0; unit < units; ++unit) {
       const Eigen::Index target =
-          unit / kernel::kUnits * kPanel + gate * kernel::kUnits + unit % kernel::kUnits;
+          unit / kernel::kUnits * kernel::kPanel + gate * kernel::kUnits + unit % kernel::kUnits;
       packed.row(target) = rows.row(gate * units + unit) * (gate == kCandidate ? 1.0 : 0.5);
     }
   return packed;
@@ -29,14 +27,14 @@ Eigen::MatrixXd interleaveGates(const Eigen::MatrixXd& rows, Eigen::Index padded
 
 }  // namespace
 
-LstmLayer::LstmLayer(const LstmWeights& weights)
+LstmLayer::LstmLayer(const LstmWeights& weights, Precision input_precision, Precision precision)
     : units_(paddedUnits(weights)),
-      input_weight_(interleaveGates(weights.weight_ih.cast<double>(), units_)),
-      hidden_weight_(interleaveGates(weights.weight_hh.cast<double>(), units_)),
+      input_weight_(interleaveGates(weights.weight_ih.cast<double>(), units_), input_precision),
+      hidden_weight_(interleaveGates(weights.weight_hh.cast<double>(), units_), precision),
       bias_(4 * units_),
       gates_(4 * units_),
-      cell_(units_),
-      hidden_(units_) {
+      cell_(roundUpToPanel(units_)),
+      hidden_(units_, precision) {
   const Eigen::VectorXd bias = weights.bias_ih.cast<double>() + weights.bias_hh.cast<double>();
   const Eigen::MatrixXd packed = interleaveGates(bias, units_);
   std::transform(packed.data(), packed.data() + packed.size(), bias_.data(),
@@ -48,14 +46,17 @@ void LstmLayer::reset() noexcept {
   hidden_.setZero();
 }
 
-void LstmLayer::prepare() noexcept {
-  std::copy_n(bias_.data(), bias_.size(), gates_.data());
-  kernel::addProduct(hidden_weight_, hidden_.data(), gates_.data());
+void LstmLayer::prepare(const kernel::Functions& functions) noexcept {
+  hidden_weight_.product(functions, hidden_, bias_.data(), gates_.data());
 }
 
-void LstmLayer::step(const float* input) noexcept {
-  kernel::addProduct(input_weight_, input, gates_.data());
-  kernel::lstmCell(gates_.data(), units_, cell_.data(), hidden_.data());
+void LstmLayer::step(const kernel::Functions& functions, const Signal& input, bool prepared) noexcept {
+  if (prepared)
+    input_weight_.productTanh(functions, input, gates_.data(), gates_.data());
+  else
+    hidden_weight_.productTanh(functions, hidden_, input_weight_, input, bias_.data(), gates_.data());
+  functions.lstm_cell(gates_.data(), units_, cell_.data(), hidden_.data());
+  hidden_.round(functions);
 }
 
 }  // namespace patella::network

@@ -232,7 +232,10 @@ std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
     std::vector<std::string> features;
     auto output = network::OutputKind::kAcceleration;
     if (config.weights) {
-      network = std::make_unique<network::AttentionLstm>(*config.weights);
+      // A precision that these weights do not bear is their defect.
+      network = located(config.weights_path, [&] {
+        return std::make_unique<network::AttentionLstm>(*config.weights, config.inference);
+      });
       features = config.weights->features;
       output = config.weights->output;
     }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "core/network/inference_options.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/tick/tick.hpp"
 #include "drivers/can/command_encoder.hpp"
@@ -68,6 +69,7 @@ struct RunConfig {
   ModelDescription model;
   BusDescription bus;
   std::optional<network::NetworkWeights> weights;
+  network::InferenceOptions inference;
   std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
   std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any
   ObserverConfig observer;

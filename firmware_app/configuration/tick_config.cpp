@@ -16,6 +16,25 @@ JointVector toJointVector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+void readNetwork(const TomlTable& table, RunConfig& config) {
+  network::InferenceOptions& inference = config.inference;
+  const std::string precision =
+      table.choice("precision", std::vector<std::string>{"float32", "int16"}, "float32");
+  inference.precision = precision == "int16" ? network::Precision::kInt16 : network::Precision::kFloat32;
+  inference.int16_tolerance = table.number("int16_tolerance", kPositive, inference.int16_tolerance);
+  std::vector<std::string> names = {"auto"};
+  const std::vector<network::InstructionSet> sets = network::availableInstructionSets();
+  for (const network::InstructionSet set : sets) {
+    names.push_back(network::nameOf(set));
+  }
+  const std::string name = table.choice("instruction_set", names, "auto");
+  for (const network::InstructionSet set : sets) {
+    if (network::nameOf(set) == name) {
+      inference.instruction_set = set;
+    }
+  }
+}
+
 void readEmg(const TomlTable& table, RunConfig& config) {
   emg::EmgSettings& e = config.tick.emg;
   e.rate_Hz = 1.0 / config.bus.map.emg_period_s;
@@ -173,6 +192,7 @@ void readTickConfig(const TomlTable& root, RunConfig& config) {
   config.tick.encoder_period_s = config.bus.map.encoder_period_s;
   config.tick.period_s = 1.0 / config.loop.rate_Hz;
   config.observer = readEstimation(root.optionalTable("estimation"), config.model.joints(), config.tick);
+  readNetwork(root.optionalTable("network"), config);
   readEmg(root.optionalTable("emg"), config);
   readControl(root.optionalTable("control"), config);
   config.tick.reference = readReference(root.optionalTable("reference"), config);

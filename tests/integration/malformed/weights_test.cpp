@@ -170,3 +170,25 @@ TEST_CASE("a sound network that does not fit this loop") {
        kUseThem},
   });
 }
+
+TEST_CASE("a precision that the network does not bear, and an instruction set that there is not") {
+  const Damage strict = replaced(kConfig, "[control]",
+                                 "[network]\nprecision = \"int16\"\nint16_tolerance = 1e-12\n\n[control]");
+  expectRefused({
+      {"int16 beyond its tolerance",
+       [=](Workshop& workshop) {
+         save(workshop, tinyNetwork({"q1_rad", "q2_rad"}, 2));
+         strict(workshop);
+       },
+       {"tiny.safetensors: precision 'int16': outputs differ from float32 by ", "expected at most 1e-12"},
+       kUseThem},
+      {"precision",
+       replaced(kConfig, "[control]", "[network]\nprecision = \"int8\"\n\n[control]"),
+       {"adult.toml:", ": key 'network.precision': value 'int8', expected one of 'float32', 'int16'"},
+       {}},
+      {"instruction set",
+       replaced(kConfig, "[control]", "[network]\ninstruction_set = \"mmx\"\n\n[control]"),
+       {"adult.toml:", ": key 'network.instruction_set': value 'mmx', expected one of 'auto', 'baseline'"},
+       {}},
+  });
+}

@@ -20,19 +20,22 @@ struct ForbidEigenHeap {
 
 }  // namespace
 
-TEST_CASE("the loop thread neither allocates nor frees, with a network of either depth") {
+TEST_CASE("the loop thread neither allocates nor frees, with a network of either depth and precision") {
   for (const int layers : {1, 2}) {
-    CAPTURE(layers);
-    app::RunConfig config = test::demonstration(3.0);
-    config.weights = test::randomNetwork(layers);
-    config.tick.compensation = tick::CompensationSource::kSampler;
-    const app::LoopStatistics statistics = test::runInLockStep(config, false);
-    CHECK(statistics.ticks == 3000);
-    CHECK(statistics.final_state == safety::State::kActive);
-    CHECK(statistics.network_error.count > 2900);
-    CHECK(statistics.heap_counted == app::CountAllocations::available());
-    CHECK(statistics.heap_allocations == 0);
-    CHECK(statistics.heap_frees == 0);
+    for (const auto precision : {network::Precision::kFloat32, network::Precision::kInt16}) {
+      CAPTURE(layers);
+      app::RunConfig config = test::demonstration(3.0);
+      config.weights = test::randomNetwork(layers);
+      config.inference.precision = precision;
+      config.tick.compensation = tick::CompensationSource::kSampler;
+      const app::LoopStatistics statistics = test::runInLockStep(config, false);
+      CHECK(statistics.ticks == 3000);
+      CHECK(statistics.final_state == safety::State::kActive);
+      CHECK(statistics.network_error.count > 2900);
+      CHECK(statistics.heap_counted == app::CountAllocations::available());
+      CHECK(statistics.heap_allocations == 0);
+      CHECK(statistics.heap_frees == 0);
+    }
   }
 }
 

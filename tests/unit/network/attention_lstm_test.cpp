@@ -95,19 +95,44 @@ TEST_CASE("streaming equals the equations written out in double") {
         }
 }
 
-TEST_CASE("when prepare() is called does not change a bit") {
-  for (const int layers : {1, 2}) {
-    RandomNetworkOptions options;
-    options.shape.layers = layers;
-    const NetworkWeights weights = randomNetwork(options);
-    const Eigen::MatrixXd features = randomFeatures(weights, 500, 8);
-    AttentionLstm one(weights);
-    AttentionLstm two(weights);
-    AttentionLstm twice(weights);
-    const Eigen::MatrixXd expected = run(one, features, Pattern::kOnePhase);
-    CHECK(run(two, features, Pattern::kTwoPhase) == expected);
-    CHECK(run(twice, features, Pattern::kPrepareTwice) == expected);
-  }
+TEST_CASE("streaming equals the equations for any number of heads") {
+  for (const int heads : {1, 2, 3, 5, 6, 8, 9, 20})
+    for (const int window : {1, 7, 64}) {
+      CAPTURE(heads);
+      CAPTURE(window);
+      RandomNetworkOptions options = smallNetwork(1);
+      options.heads = heads;
+      options.shape.channels = 3 * heads;
+      options.window = window;
+      const NetworkWeights weights = randomNetwork(options);
+      const Eigen::MatrixXd features = randomFeatures(weights, 150, 7);
+      AttentionLstm network(weights);
+      CHECK((run(network, features, Pattern::kOnePhase) - loopReference(weights, features))
+                .cwiseAbs()
+                .maxCoeff() < 1e-6);
+    }
+}
+
+TEST_CASE("when prepare() is called, and which variant runs, does not change a bit") {
+  for (const Precision precision : {Precision::kFloat32, Precision::kInt16})
+    for (const int layers : {1, 2})
+      for (const int heads : {8, 2}) {
+        RandomNetworkOptions options;
+        options.shape.layers = layers;
+        options.heads = heads;
+        const NetworkWeights weights = randomNetwork(options);
+        const Eigen::MatrixXd features = randomFeatures(weights, 100, 8);
+        AttentionLstm widest(weights, {.precision = precision});
+        const Eigen::MatrixXd expected = run(widest, features, Pattern::kOnePhase);
+        for (const InstructionSet set : availableInstructionSets()) {
+          CAPTURE(nameOf(set));
+          AttentionLstm network(weights, {.instruction_set = set, .precision = precision});
+          for (const Pattern pattern : {Pattern::kOnePhase, Pattern::kTwoPhase, Pattern::kPrepareTwice}) {
+            network.reset();
+            CHECK(run(network, features, pattern) == expected);
+          }
+        }
+      }
 }
 
 TEST_CASE("reset() returns to the beginning, bit for bit") {
@@ -176,19 +201,22 @@ TEST_CASE("a large mean beside a small scale costs no digits") {
 TEST_CASE("steps, prepare and reset do not touch the heap") {
   const NetworkWeights weights = randomNetwork({});
   const Eigen::MatrixXd features = randomFeatures(weights, 200, 13).transpose();
-  AttentionLstm network(weights);
-  double sum = 0.0;
-  const long before = allocations;
-  Eigen::internal::set_is_malloc_allowed(false);
-  for (Eigen::Index step = 0; step < features.cols(); ++step) {
-    sum += network.step({features.col(step).data(), 5}).sum();
-    network.prepare();
-  }
-  network.reset();
-  Eigen::internal::set_is_malloc_allowed(true);
-  CHECK(allocations == before);
-  CHECK(before > 0);
-  CHECK(std::isfinite(sum));
+  for (const InstructionSet set : availableInstructionSets())
+    for (const Precision precision : {Precision::kFloat32, Precision::kInt16}) {
+      AttentionLstm network(weights, {.instruction_set = set, .precision = precision});
+      double sum = 0.0;
+      const long before = allocations;
+      Eigen::internal::set_is_malloc_allowed(false);
+      for (Eigen::Index step = 0; step < features.cols(); ++step) {
+        sum += network.step({features.col(step).data(), 5}).sum();
+        network.prepare();
+      }
+      network.reset();
+      Eigen::internal::set_is_malloc_allowed(true);
+      CHECK(allocations == before);
+      CHECK(before > 0);
+      CHECK(std::isfinite(sum));
+    }
 }
 
 }  // namespace patella::network

@@ -90,10 +90,11 @@ torch::Tensor windowedAttention(Model& model, const torch::Tensor& signal, std::
 }  // namespace
 
 Eigen::MatrixXd torchReference(const NetworkWeights& weights, const Eigen::MatrixXd& features,
-                               Precision precision) {
+                               ReferencePrecision precision) {
   const torch::NoGradGuard no_gradients;
   at::set_num_threads(1);
-  const torch::ScalarType type = precision == Precision::kFloat64 ? torch::kFloat64 : torch::kFloat32;
+  const torch::ScalarType type =
+      precision == ReferencePrecision::kFloat64 ? torch::kFloat64 : torch::kFloat32;
   Model model = makeModel(weights, type);
   const Eigen::MatrixXd normalised =
       (features.rowwise() - weights.feature_mean.transpose()).array().rowwise() /

@@ -5,11 +5,11 @@
 
 namespace patella::network {
 
-enum class Precision { kFloat32, kFloat64 };
+enum class ReferencePrecision { kFloat32, kFloat64 };
 
 /// torch.nn.LSTM, Linear and MultiheadAttention with a mask that lets step t see t - window + 1 … t.
 /// `features` is steps x inputs, the result steps x outputs, both in physical units.
 Eigen::MatrixXd torchReference(const NetworkWeights& weights, const Eigen::MatrixXd& features,
-                               Precision precision);
+                               ReferencePrecision precision);
 
 }  // namespace patella::network

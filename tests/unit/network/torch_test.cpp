@@ -12,8 +12,8 @@ namespace {
 constexpr int kSteps = 5000;
 constexpr double kTolerance = 1e-6;
 
-Eigen::MatrixXd stream(const NetworkWeights& weights, const Eigen::MatrixXd& features) {
-  AttentionLstm network(weights);
+Eigen::MatrixXd stream(const NetworkWeights& weights, const Eigen::MatrixXd& features, InstructionSet set) {
+  AttentionLstm network(weights, {.instruction_set = set});
   Eigen::MatrixXd outputs(features.rows(), network.outputs());
   for (Eigen::Index step = 0; step < features.rows(); ++step) {
     const Eigen::VectorXd row = features.row(step);
@@ -30,18 +30,20 @@ double maxDifference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 void compare(const RandomNetworkOptions& options) {
   const NetworkWeights weights = randomNetwork(options);
   const Eigen::MatrixXd features = randomFeatures(weights, kSteps, options.seed + 100);
-  const Eigen::MatrixXd outputs = stream(weights, features);
-  const Eigen::MatrixXd exact = torchReference(weights, features, Precision::kFloat64);
-  const Eigen::MatrixXd single = torchReference(weights, features, Precision::kFloat32);
-  const double error = maxDifference(outputs, exact);
+  const Eigen::MatrixXd exact = torchReference(weights, features, ReferencePrecision::kFloat64);
+  const Eigen::MatrixXd single = torchReference(weights, features, ReferencePrecision::kFloat32);
   const double swing = (exact.colwise().maxCoeff() - exact.colwise().minCoeff()).minCoeff();
-  MESSAGE("layers " << options.shape.layers << ", gain " << options.gain
-                    << ": |y| <= " << exact.cwiseAbs().maxCoeff() << ", swing " << swing
-                    << "; largest difference streaming - float64 " << error << ", streaming - float32 "
-                    << maxDifference(outputs, single) << ", float32 - float64 "
-                    << maxDifference(single, exact));
-  CHECK(error < kTolerance);
-  CHECK(maxDifference(outputs, single) < kTolerance);
+  for (const InstructionSet set : availableInstructionSets()) {
+    const Eigen::MatrixXd outputs = stream(weights, features, set);
+    const double error = maxDifference(outputs, exact);
+    MESSAGE(nameOf(set) << ", layers " << options.shape.layers << ", gain " << options.gain
+                        << ": |y| <= " << exact.cwiseAbs().maxCoeff() << ", swing " << swing
+                        << "; largest difference streaming - float64 " << error << ", streaming - float32 "
+                        << maxDifference(outputs, single) << ", float32 - float64 "
+                        << maxDifference(single, exact));
+    CHECK(error < kTolerance);
+    CHECK(maxDifference(outputs, single) < kTolerance);
+  }
   // The comparison would be empty if the network did nothing.
   CHECK(swing > 5e-3);
 }
