@@ -411,8 +411,8 @@ Recipe passiveKneeMoment(const Motion& motion) {
   constexpr std::array kSlopes{"flexion_knee_1_rad", "flexion_hip_1_rad", "extension_knee_1_rad",
                                "extension_hip_1_rad"};
   // Logarithms of the ratios to the published slopes, which are means over ten persons. Two persons differ by
-  // a factor of two easily; quite free, the exponentials would fit anything. Motion bends by other things than
-  // tissue, so that there the slopes have to stay near what is known.
+  // a factor of two easily; quite free, the exponentials would fit anything. Motion bends by other things
+  // than tissue, so that there the slopes have to stay near what is known.
   const bool at_rest = motion.duration_s == 0.0;
   const double spread = std::log(at_rest ? 2.0 : 1.5);
   const double most = (at_rest ? 3.0 : 1.5) * spread;
