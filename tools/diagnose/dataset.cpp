@@ -348,8 +348,9 @@ void splitPostures(const Segment& segment, double heldout_fraction, std::vector<
                    std::vector<Segment>& heldout) {
   constexpr std::size_t kNeighbours = 5;
   const auto share = [&](std::size_t row) {
-    return std::floor(heldout_fraction * static_cast<double>(row / kNeighbours + 1)) >
-           std::floor(heldout_fraction * static_cast<double>(row / kNeighbours));
+    const std::size_t group = row / kNeighbours;
+    return std::floor(heldout_fraction * static_cast<double>(group + 1)) >
+           std::floor(heldout_fraction * static_cast<double>(group));
   };
   for (std::size_t first = segment.first; first < segment.end;) {
     const bool out = share(first - segment.first);
