@@ -177,6 +177,8 @@ class Selector {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
     }
+    while (simplify()) {
+    }
     findRivals();
     return std::move(result_);
   }
@@ -317,6 +319,41 @@ class Selector {
         ++t;
       }
     }
+  }
+
+  // Puts a special case in the place of what contains it, where the rest is not worth its parameters: an
+  // early step did not know yet what the later ones found. False where all is as simple as it can be.
+  bool simplify() {
+    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
+      const Term& term = result_.fit.terms[t];
+      if (term.declared || !term.replaced.empty()) {
+        continue;
+      }
+      const ModelFit rest = without(t);
+      std::optional<ModelFit> best;
+      for (const Atom& atom : atoms_.items) {
+        if (atom.recipe->kind == term.recipe->kind || !contains(*term.recipe, *atom.recipe) ||
+            !atom.recipe->nonlinear.empty()) {
+          continue;
+        }
+        std::optional<ModelFit> start = withCandidate(fitter_, rest, atom, Screened{});
+        if (!start) {
+          continue;
+        }
+        ModelFit simple = fitter_.fit(std::move(*start), *result_.fit.weighting);
+        if (simple.at_edge.empty() && (!best || simple.objective < best->objective)) {
+          best = std::move(simple);
+        }
+      }
+      if (best && (best->objective - result_.fit.objective) / unit_ <
+                      cost_ * (parameters(result_.fit) - parameters(*best))) {
+        const auto place = result_.evidence.begin() + static_cast<std::ptrdiff_t>(t);
+        std::rotate(place, place + 1, result_.evidence.end());
+        result_.fit = std::move(*best);
+        return true;
+      }
+    }
+    return false;
   }
 
   // Effects that would do as well in a found one's place. One that does better takes it.
