@@ -155,7 +155,11 @@ int runFromCommandLine(int argc, char** argv) {
   app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")->check(CLI::Range(1, 10000));
   app.add_option("--eviction-MB", options.eviction_MB, "memory written to empty the caches")
       ->check(CLI::Range(1, 4096));
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
   run(options);
   return 0;
 }
