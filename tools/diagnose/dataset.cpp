@@ -48,6 +48,7 @@ Series restingSeries(const Recording& recording, const Segment& segment) {
       .rate_Hz = 1.0, .states = {}, .acceleration = {}, .asked_acceleration = {}, .asked_torque_Nm = {}};
   for (std::size_t i = segment.first; i < segment.end; ++i) {
     model::EffectInput state;
+    state.time_s = recording.time_s[i];
     state.q.setZero(recording.joints);
     state.dq.setZero(recording.joints);
     state.torque_Nm.setZero(recording.joints);

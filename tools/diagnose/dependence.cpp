@@ -33,6 +33,10 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
   };
   state("q", [](const Series& s, std::size_t i) { return s.states[i].q; });
   if (data.isStatic()) {
+    // What changed from posture to posture and is not in the recording.
+    all.push_back({.name = "order",
+                   .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
+                   .factor = {}});
     return all;
   }
   state("dq", [](const Series& s, std::size_t i) { return s.states[i].dq; });
@@ -176,7 +180,6 @@ DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::spa
     const Atom& atom = atoms.items[screened.atom];
     const double value = surprise(screened.gain, screened.dimensions);
     const double p_value = exceedance(chance, value);
-    test.smallest_p = std::min(test.smallest_p, p_value);
     if (p_value >= family_wise_p) {
       continue;
     }

@@ -13,11 +13,10 @@ namespace patella::diagnose {
 struct DependenceTest {
   std::vector<Dependence> found;  ///< those with a family-wise p below the level, strongest first
   double largest_gain = 0.0;  ///< fall of −2 log-likelihood of the strongest, less what its dimensions cost
-  double smallest_p = 1.0;
 };
 
 /// Tests piecewise linear functions of each joint's position, velocity, acceleration, of EMG activation, time
-/// and of some products, for each joint's residual; family-wise over all of them by a bootstrap of the
+/// (at rest: of the order of the postures) and of some products, for each joint's residual; family-wise over all of them by a bootstrap of the
 /// smallest p.
 DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                               int replicates, double family_wise_p, std::uint64_t seed);

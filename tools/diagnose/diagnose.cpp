@@ -216,10 +216,9 @@ class Procedure {
     Search& last = late_.empty() ? first : again_.emplace(search(withLate(), lateJoints()));
     dropWhatDoesNotHold(*last.fitter, last.selection);
     report("unexplained", 0.0);
-    // Half the level: a recording that lacks nothing has two ways to be called otherwise.
     const DependenceTest dependence =
-        testDependence(*train_, last.selection.fit, channels_, options_.bootstrap_replicates,
-                       0.5 * options_.family_wise_p, options_.seed + 104729);
+        testDependence(*train_, last.selection.fit, channels_, 2 * options_.bootstrap_replicates,
+                       options_.family_wise_p, options_.seed + 104729);
     decide(*last.fitter, first.nominal, last.selection, dependence);
     compareRecordings(last.selection.fit);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);

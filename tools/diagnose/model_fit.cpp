@@ -391,6 +391,10 @@ void ModelFitter::findEdges(ModelFit& fit) {
         fit.at_edge.push_back({recipe.label(), "range: " + coefficientName(recipe, term.nu, i)});
       }
     }
+    const std::string beyond = recipe.beyond && !term.declared ? recipe.beyond(term.c) : "";
+    if (!beyond.empty()) {
+      fit.at_edge.push_back({recipe.label(), "range: " + beyond});
+    }
     for (std::size_t k = 0; k < term.nu.size() && !term.declared; ++k) {
       const double width = recipe.nonlinear[k].upper - recipe.nonlinear[k].lower;
       if (term.nu[k] > recipe.nonlinear[k].upper - kNearBound * width) {

@@ -21,6 +21,7 @@ using Numbers = std::span<const double>;
 struct Motion {
   int joint = 0;
   double velocity_rms = 0.0;
+  double lowest_position = 0.0;
   double position_range = 0.0;
   double torque_rms = 0.0;
   double duration_s = 0.0;
@@ -40,12 +41,13 @@ Motion motionOf(const Dataset& data, const model::Mechanism& mechanism, int join
       low = std::min(low, state.q[joint]);
       high = std::max(high, state.q[joint]);
       motion.inertia += mechanism.inertia(state.q)(joint, joint);
-      motion.duration_s = std::max(motion.duration_s, state.time_s);
+      motion.duration_s = data.isStatic() ? 0.0 : std::max(motion.duration_s, state.time_s);
     }
     count += static_cast<double>(series.states.size());
   }
   motion.velocity_rms = std::sqrt(velocity / count);
   motion.torque_rms = std::sqrt(torque / count);
+  motion.lowest_position = low;
   motion.position_range = high - low;
   motion.inertia /= count;
   return motion;
@@ -214,7 +216,7 @@ Recipe preslidingHysteresis(const Motion& motion) {
   return recipe;
 }
 
-// c = (stiffness, stiffness times rest position).
+// c = (stiffness, stiffness times rest position). A constant torque is no spring that rests far away.
 Recipe linearStiffness(const Motion& motion) {
   Recipe recipe = start("linear_stiffness", motion, {true, false});
   recipe.contains = {"linear_stiffness", "torque_bias"};
@@ -222,6 +224,12 @@ Recipe linearStiffness(const Motion& motion) {
     return Parameters("linear_stiffness")
         .set("stiffness_Nm_rad", c[0])
         .set("rest_position_rad", c[0] > 0.0 ? c[1] / c[0] : 0.0);
+  };
+  constexpr double kFarthestRest = 2.0;  // ranges of the motion, from its middle
+  const double middle = motion.lowest_position + 0.5 * motion.position_range;
+  const double farthest = kFarthestRest * motion.position_range;
+  recipe.beyond = [=](Numbers c) -> std::string {
+    return std::abs(c[1] - c[0] * middle) > c[0] * farthest ? "rest_position_rad" : "";
   };
   recipe.basis = [](Numbers) -> std::vector<std::vector<BasisTerm>> {
     const std::vector<double> centred =

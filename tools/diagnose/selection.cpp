@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,10 +34,22 @@ constexpr std::uint64_t kUnitSeed = 20011;
 constexpr int kRivalReplicates = 99;
 constexpr double kDeviations95 = 1.959964;
 
-int parameters(const ModelFit& fit) {
-  int count = 0;
-  for (const Term& term : fit.terms) {
-    count += static_cast<int>(term.c.size() + term.nu.size());
+// Number of a fit's parameters. One of which something is known beforehand counts by the share of a free
+// one's cost, log n, that its evidence takes off: half the logarithm of how much better the data know it
+// (MacKay, Information Theory, Inference, and Learning Algorithms, 28.1), at twice the scale.
+double parameters(const ModelFit& fit) {
+  double count = 0.0;
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
+    count += static_cast<double>(term.c.size() + term.nu.size());
+    for (std::size_t k = 0; k < term.nu.size(); ++k) {
+      if (term.recipe->nonlinear[k].spread > 0.0) {
+        const Eigen::Index index = fit.offset[t] + static_cast<Eigen::Index>(term.c.size() + k);
+        const double known = std::pow(fit.prior_weight[index], 2);
+        const double told = fit.weighting->apply(fit.tangent.col(index)).squaredNorm();
+        count -= 1.0 - std::min(1.0, std::log1p(told / known) / parameterCost(fit));
+      }
+    }
   }
   return count;
 }
@@ -46,6 +59,15 @@ bool isSame(const Recipe& found, const Recipe& recipe) {
   return found.label() == recipe.label() &&
          (found.variant == recipe.variant || found.variant.starts_with(recipe.variant + " +") ||
           found.variant.starts_with(recipe.variant + " -"));
+}
+
+// Both bend the dry friction of a joint near rest: once is enough.
+bool shapesTheSame(const Recipe& one, const Recipe& other) {
+  const auto bends = [](const Recipe& recipe) {
+    return recipe.kind == "stribeck_friction" ||
+           (recipe.kind == "coulomb_friction" && !recipe.nonlinear.empty());
+  };
+  return one.joint == other.joint && bends(one) && bends(other);
 }
 
 bool contains(const Recipe& recipe, const Recipe& other) {
@@ -179,6 +201,7 @@ class Selector {
     }
     while (simplify()) {
     }
+    uniteFriction();
     findRivals();
     return std::move(result_);
   }
@@ -228,7 +251,7 @@ class Selector {
   // There already, or a special case of what is there.
   bool isContained(const Recipe& recipe) const {
     return std::any_of(result_.fit.terms.begin(), result_.fit.terms.end(), [&](const Term& term) {
-      return !term.declared && (isSame(*term.recipe, recipe) ||
+      return !term.declared && (isSame(*term.recipe, recipe) || shapesTheSame(*term.recipe, recipe) ||
                                 (term.recipe->kind != recipe.kind && contains(*term.recipe, recipe)));
     });
   }
@@ -356,6 +379,48 @@ class Selector {
     return false;
   }
 
+  std::optional<std::size_t> found(std::string_view kind, int joint) const {
+    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
+      const Term& term = result_.fit.terms[t];
+      if (!term.declared && term.replaced.empty() && term.recipe->nonlinear.empty() &&
+          term.recipe->kind == kind && term.recipe->joint == joint) {
+        return t;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Dry friction and a bias are, by algebra, dry friction of two levels: one answer, with the other beside
+  // it.
+  void uniteFriction() {
+    for (const Atom& atom : atoms_.items) {
+      const Recipe& recipe = *atom.recipe;
+      const auto level = found("coulomb_friction", recipe.joint);
+      const auto bias = found("torque_bias", recipe.joint);
+      if (recipe.kind != "asymmetric_friction" || recipe.coefficients() != 2 || !level || !bias) {
+        continue;
+      }
+      const auto [first, second] = std::minmax(*level, *bias);
+      const ModelFit rest = withoutTerm(withoutTerm(result_.fit, second), first);
+      std::optional<ModelFit> start =
+          withCandidate(fitter_, fitter_.fit(rest, *result_.fit.weighting), atom, Screened{});
+      if (!start) {
+        continue;
+      }
+      ModelFit united = fitter_.fit(std::move(*start), *result_.fit.weighting);
+      if (united.at_edge.empty() && united.objective < result_.fit.objective + unit_) {
+        const Evidence& one = result_.evidence[first];
+        const Evidence& other = result_.evidence[second];
+        Evidence both{
+            .p_value = std::max(one.p_value, other.p_value), .gain = one.gain + other.gain, .rivals = {}};
+        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(second));
+        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(first));
+        result_.evidence.push_back(std::move(both));
+        result_.fit = std::move(united);
+      }
+    }
+  }
+
   // Effects that would do as well in a found one's place. One that does better takes it.
   void findRivals() {
     for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
@@ -363,7 +428,7 @@ class Selector {
         continue;
       }
       const ModelFit smaller = without(t);
-      const int size = parameters(result_.fit) - parameters(smaller);
+      const double size = parameters(result_.fit) - parameters(smaller);
       result_.evidence[t].gain = (smaller.objective - result_.fit.objective) / unit_;
       const double full_margin = result_.evidence[t].gain - cost_ * size;
       const std::string own = result_.fit.terms[t].recipe->label();
@@ -397,7 +462,7 @@ class Selector {
     if (contains(own, *rival.atom->recipe)) {
       return true;
     }
-    const int more = parameters(*rival.fit) - parameters(result_.fit);
+    const double more = parameters(*rival.fit) - parameters(result_.fit);
     const double gain = (smaller.objective - rival.fit->objective) / unit_ - result_.evidence[term].gain;
     return contains(*rival.atom->recipe, own) && gain < kNestedEvidence * more;
   }

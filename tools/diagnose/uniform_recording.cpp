@@ -10,6 +10,7 @@
 #include "core/emg/emg_chain.hpp"
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/time_base.hpp"
+#include "tools/diagnose/sample_clock.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -24,8 +25,6 @@ constexpr std::size_t kFewestPostures = 10;
 constexpr double kLongestBridge_s = 0.020;
 constexpr double kLongestBridge_samples = 3.0;
 constexpr double kRoundingOfRate = 0.002;
-/// Stamps this near to a uniform grid, in samples, are rounded ones of that grid.
-constexpr double kRoundingOfStamps = 0.02;
 /// Of the rows: with more without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;
 constexpr double kLowestEmgRate_Hz = 200.0;
@@ -110,11 +109,34 @@ Instants instantsOf(const RawRecording& raw) {
   return instants;
 }
 
-double rateOf(const RawRecording& raw, const Instants& instants) {
-  std::vector<double> steps(instants.stamp_s.size());
-  std::adjacent_difference(instants.stamp_s.begin(), instants.stamp_s.end(), steps.begin());
+/// Mean of the steps between which no sample was lost: those about as long as the median.
+double ordinaryStep_s(const std::vector<double>& stamps_s) {
+  std::vector<double> steps(stamps_s.size());
+  std::adjacent_difference(stamps_s.begin(), stamps_s.end(), steps.begin());
   steps.erase(steps.begin());
-  const double rate_Hz = raw.rate_Hz.value_or(1.0 / offline::median(steps));
+  const double median_s = offline::median(steps);
+  std::erase_if(steps, [=](double step) { return std::abs(step - median_s) > 0.5 * median_s; });
+  return std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
+}
+
+/// Samples by elapsed time, lost ones counted, in stretches against whose length jitter is little.
+double meanRate(const std::vector<double>& stamps_s) {
+  constexpr std::size_t kLength = 50;
+  const double step_s = ordinaryStep_s(stamps_s);
+  double samples = 0.0, elapsed_s = 0.0;
+  for (std::size_t i = kLength; i < stamps_s.size(); i += kLength) {
+    const double stretch_s = stamps_s[i] - stamps_s[i - kLength];
+    const double count = std::round(stretch_s / step_s);
+    if (count < 2.0 * kLength) {
+      samples += count;
+      elapsed_s += stretch_s;
+    }
+  }
+  return samples > 0.0 ? samples / elapsed_s : 1.0 / step_s;
+}
+
+double rateOf(const RawRecording& raw, const Instants& instants) {
+  const double rate_Hz = raw.rate_Hz.value_or(meanRate(instants.stamp_s));
   const double whole_Hz = std::round(rate_Hz);
   return std::abs(rate_Hz - whole_Hz) <= kRoundingOfRate * rate_Hz ? whole_Hz : rate_Hz;
 }
@@ -132,30 +154,30 @@ std::vector<double> averaged(const std::vector<double>& values, const Instants& 
 
 /// Instants first … end−1 between two gaps, and the uniform ones that take their place.
 struct Stretch {
-  TimeBase base;
+  TimeBase base;     ///< by the stamps
+  TimeBase clocked;  ///< by the ticks of a regular clock; empty where the stamps tell of none
   std::vector<double> grid_s;
-  bool uniform = false;
+  double rate_Hz = 0.0;
 };
 
 Stretch stretchOf(const Instants& instants, std::size_t first, std::size_t end, double rate_Hz) {
-  Stretch stretch;
+  Stretch stretch{.base = {}, .clocked = {}, .grid_s = {}, .rate_Hz = rate_Hz};
   for (std::size_t i = first; i < end; ++i) {
     stretch.base.time_s.push_back(instants.stamp_s[i]);
     stretch.base.row.push_back(i);
   }
-  stretch.grid_s = convert::uniformGrid(stretch.base, rate_Hz);
-  const auto count = end - first;
   const double start_s = stretch.base.time_s.front();
-  stretch.uniform = true;
-  for (std::size_t i = 0; i < count && stretch.uniform; ++i) {
-    const double off = (stretch.base.time_s[i] - start_s) * rate_Hz - static_cast<double>(i);
-    stretch.uniform = std::abs(off) <= kRoundingOfStamps;
+  const auto at = [&](std::size_t tick) { return start_s + static_cast<double>(tick) / rate_Hz; };
+  const auto ticks = clockTicks(stretch.base.time_s, rate_Hz);
+  if (!ticks) {
+    return stretch;
   }
-  if (stretch.uniform) {
-    stretch.grid_s.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      stretch.grid_s[i] = start_s + static_cast<double>(i) / rate_Hz;
-    }
+  stretch.clocked.row = stretch.base.row;
+  for (const std::size_t tick : *ticks) {
+    stretch.clocked.time_s.push_back(at(tick));
+  }
+  for (std::size_t tick = 0; tick <= ticks->back(); ++tick) {
+    stretch.grid_s.push_back(at(tick));
   }
   return stretch;
 }
@@ -197,18 +219,59 @@ std::vector<Stretch> stretchesOf(const Instants& instants, double rate_Hz,
   return stretches;
 }
 
+/// Whether samples were taken at their stamps, and not by a regular clock from which they only arrived late.
+/// If they were, what each deviates from a smooth motion is the velocity times what its stamp deviates from
+/// the clock.
+class StampsTrial {
+ public:
+  void add(const std::vector<double>& values, const Stretch& stretch) {
+    const auto& clock_s = stretch.clocked.time_s;
+    const auto& stamp_s = stretch.base.time_s;
+    const auto& row = stretch.base.row;
+    for (std::size_t i = 1; i + 1 < clock_s.size(); ++i) {
+      const double step_s = clock_s[i] - clock_s[i - 1];
+      const bool lost = std::abs(clock_s[i + 1] - clock_s[i] - step_s) > 0.5 * step_s;
+      if (!lost) {
+        const double before = values[row[i - 1]], here = values[row[i]], after = values[row[i + 1]];
+        const double velocity = (after - before) / (clock_s[i + 1] - clock_s[i - 1]);
+        const auto late = [&](std::size_t k) { return stamp_s[k] - clock_s[k]; };
+        const double expected = velocity * (late(i + 1) - 2.0 * late(i) + late(i - 1));
+        product_ += expected * (after - 2.0 * here + before);
+        square_ += expected * expected;
+      }
+    }
+  }
+  bool passed() const noexcept { return product_ > 0.5 * square_; }
+
+ private:
+  double product_ = 0.0;
+  double square_ = 0.0;
+};
+
+void trustStampsOrClock(const RawRecording& raw, const Instants& instants, std::vector<Stretch>& stretches) {
+  StampsTrial trial;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
+    const std::vector<double> position = averaged(raw.position_rad[j], instants);
+    for (const Stretch& stretch : stretches) {
+      trial.add(position, stretch);
+    }
+  }
+  for (Stretch& stretch : stretches) {
+    if (!stretch.clocked.time_s.empty() && !trial.passed()) {
+      stretch.base = stretch.clocked;
+    } else {
+      stretch.grid_s = convert::uniformGrid(stretch.base, stretch.rate_Hz);
+    }
+  }
+}
+
 /// Of `values`, one for each instant, those of all stretches one after the other.
 std::vector<double> joined(const std::vector<double>& values, const std::vector<Stretch>& stretches,
                            Interpolation method) {
   std::vector<double> result;
   for (const Stretch& stretch : stretches) {
-    if (stretch.uniform) {
-      const auto first = values.begin() + static_cast<std::ptrdiff_t>(stretch.base.row.front());
-      result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(stretch.base.row.size()));
-    } else {
-      const std::vector<double> part = convert::resample(stretch.base, values, stretch.grid_s, method);
-      result.insert(result.end(), part.begin(), part.end());
-    }
+    const std::vector<double> part = convert::resample(stretch.base, values, stretch.grid_s, method);
+    result.insert(result.end(), part.begin(), part.end());
   }
   return result;
 }
@@ -339,7 +402,8 @@ Recording makeUniform(const RawRecording& recorded) {
         fmt::format("{} rows with the time stamp of the row before were averaged with it", repeated));
   }
   recording.rate_Hz = rateOf(raw, instants);
-  const std::vector<Stretch> stretches = stretchesOf(instants, recording.rate_Hz, recording.warnings);
+  std::vector<Stretch> stretches = stretchesOf(instants, recording.rate_Hz, recording.warnings);
+  trustStampsOrClock(raw, instants, stretches);
   for (const Stretch& stretch : stretches) {
     recording.segments.push_back(
         {.first = recording.rows(), .end = recording.rows() + stretch.grid_s.size()});

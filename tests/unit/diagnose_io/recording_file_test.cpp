@@ -76,6 +76,26 @@ TEST_CASE("jitter goes out: positions by the cubic, held torque by what was held
   CHECK(worst < 2e-6);
 }
 
+TEST_CASE("samples that only arrived late are those of the clock, in its order, lost ones counted") {
+  // One in fifty rows is lost; the clock is 200 ppm fast.
+  constexpr double kPeriod_s = 0.002 * (1.0 - 2e-4);
+  const auto arrived = [](int i) { return kPeriod_s * i + 0.0006 * std::sin(12.9898 * i); };
+  const auto torque = [](int i) { return i % 2 == 0 ? 5.0 : -5.0; };
+  const std::string text = csv(kHeader, 2000, [&](int i) {
+    return i % 50 == 7 ? fmt::format("{:.9f},,", arrived(i))
+                       : fmt::format("{:.9f},{:.12f},{}", arrived(i), position(kPeriod_s * i), torque(i));
+  });
+  const Recording recording = loaded(text);
+  REQUIRE(recording.rows() == 2000);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    const int sample = static_cast<int>(i);
+    REQUIRE(recording.torque_Nm[0][i] == torque(sample % 50 == 7 ? sample - 1 : sample));
+    worst = std::max(worst, std::abs(recording.position_rad[0][i] - position(kPeriod_s * sample)));
+  }
+  CHECK(worst < 1e-5);
+}
+
 TEST_CASE("a torque that was sampled is interpolated") {
   const auto jittered = [](int i) { return 0.002 * i + 0.0006 * std::sin(12.9898 * i); };
   const std::string text = csv(kHeader, 500, [&](int i) { return row(jittered(i), 7.0 * jittered(i)); });
