@@ -54,6 +54,9 @@ if(_sanitize)
   add_compile_definitions(PATELLA_SANITIZER_${PATELLA_SANITIZER}=1)
 endif()
 
+# Line numbers are enough for a stack trace, and far quicker to build than all that a debugger could ask for.
 if(CMAKE_BUILD_TYPE STREQUAL "RelWithDebInfo")
   set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -DNDEBUG")
+elseif(PATELLA_SANITIZER)
+  set(CMAKE_CXX_FLAGS_DEBUG "-g1")
 endif()

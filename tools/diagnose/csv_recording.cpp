@@ -174,6 +174,7 @@ RawRecording readNamedColumns(std::string_view text, const std::string& name, in
   RawRecording recording;
   recording.name = name;
   recording.joints = joints;
+  recording.torque_timing_assumed = true;
   readSignals(text, recording, {});
   return recording;
 }

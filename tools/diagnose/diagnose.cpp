@@ -21,6 +21,7 @@
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/simulation_error.hpp"
+#include "tools/diagnose/torque_timing.hpp"
 #include "tools/diagnose/tremor_line.hpp"
 
 namespace patella::diagnose {
@@ -552,6 +553,29 @@ class Procedure {
     }
   }
 
+  // What happens only in the part that was held out has left no trace in the one that was fitted.
+  void compareParts() {
+    constexpr double kOutOfProportion = 2.5;
+    for (int joint = 0; joint < train_->joints(); ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      const double fitted = result_.noise_floor_Nm[j];
+      const double unseen = heldout_ ? result_.after.heldout_rms_Nm[j] : 0.0;
+      if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
+        result_.verdict = Verdict::kUnknownEffect;
+        result_.unexplained.push_back({.joint = joint,
+                                       .variable = "time",
+                                       .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
+                                       .p_value = 1.0});
+        result_.explanation = fmt::format(
+            "Something else happens in the held-out part: the error of joint {} is {:.1f} times what it was "
+            "in the "
+            "part that was fitted.",
+            joint + 1, unseen / fitted);
+        return;
+      }
+    }
+  }
+
   void explain() {
     switch (result_.verdict) {
       case Verdict::kEffectFound:
@@ -599,6 +623,7 @@ class Procedure {
     for (int joint = 0; joint < train_->joints(); ++joint) {
       result_.noise_floor_Nm.push_back(rms(selection.fit.residual, joint, train_->rows()));
     }
+    compareParts();
     addCurves();
   }
 
@@ -645,7 +670,13 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
                    const app::ModelDescription& model, const DiagnoseOptions& options) {
   requirePlausible(recordings, model);
   requirePlausible(holdout, model);
-  return Procedure(recordings, holdout, model, options).run();
+  const std::vector<Recording> timed = withTorqueTiming(recordings, model);
+  std::vector<Recording> timed_holdout(holdout.begin(), holdout.end());
+  for (Recording& recording : timed_holdout) {
+    recording.torque_timing =
+        recording.torque_timing_assumed ? timed.front().torque_timing : recording.torque_timing;
+  }
+  return Procedure(timed, timed_holdout, model, options).run();
 }
 
 }  // namespace patella::diagnose

@@ -16,6 +16,7 @@ namespace patella::diagnose {
 
 /// What a step of the search has to pass; one is left out to see what it is good for.
 struct Gates {
+  bool share = true;             ///< a share of the residual that anyone would miss
   bool chance = true;            ///< family-wise p of a parametric bootstrap
   bool cross_validation = true;  ///< gain on folds that were not fitted
   bool stability = true;         ///< gain on most block bootstraps

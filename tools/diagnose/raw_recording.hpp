@@ -18,6 +18,7 @@ struct RawRecording {
   std::string name;
   int joints = 0;
   TorqueTiming torque_timing = TorqueTiming::kHeld;
+  bool torque_timing_assumed = false;
   bool is_static = false;
   /// Of the recording's own clock; where it is absent, the median step tells it.
   std::optional<double> rate_Hz;

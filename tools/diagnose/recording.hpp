@@ -29,6 +29,7 @@ struct Recording {
   double rate_Hz = 0.0;
   int joints = 0;
   TorqueTiming torque_timing = TorqueTiming::kHeld;
+  bool torque_timing_assumed = false;  ///< neither the file nor its reader says
   /// A table of postures at rest: rows have no order in time, rates and accelerations are zero.
   bool is_static = false;
   std::vector<double> time_s;  ///< uniform in each segment: its first + i / rate

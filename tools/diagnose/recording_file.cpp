@@ -64,6 +64,7 @@ Recording loadRecording(const std::filesystem::path& path, const RecordingOption
   std::string sha256 = app::fileSha256(file);
   RawRecording raw = isLog(file) ? readFrames(file, options) : readTable(file, options);
   raw.torque_timing = options.torque_timing.value_or(raw.torque_timing);
+  raw.torque_timing_assumed = raw.torque_timing_assumed && !options.torque_timing;
   Recording recording = makeUniform(raw);
   recording.sha256 = std::move(sha256);
   return recording;

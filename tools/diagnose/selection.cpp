@@ -27,6 +27,9 @@ constexpr double kRivalMargin = 6.0;
 /// An effect that contains another always explains as much. It is a rival only where each parameter that it
 /// has beyond the other explains more than one in twenty would by chance.
 constexpr double kNestedEvidence = 3.84;
+/// Of the mean square that is left of a joint's torque, what an effect has to explain: less is nothing that
+/// anyone would miss, however sure it is.
+constexpr double kLeastShare = 0.03;
 constexpr double kLeastStability = 0.8;
 constexpr double kCrossValidationErrors = 1.5;
 /// The same draws for all candidates, so that they are compared under the same luck.
@@ -201,7 +204,8 @@ class Selector {
     }
     while (simplify()) {
     }
-    uniteFriction();
+    unite("torque_bias", "asymmetric_friction", 2);
+    unite("stribeck_friction", "stribeck_friction", 2);
     findRivals();
     return std::move(result_);
   }
@@ -282,7 +286,22 @@ class Selector {
            b.fit->objective + unit * cost_ * parameters(*b.fit);
   }
 
+  // Of the mean square that is left of a joint's torque, the largest share that goes.
+  double shareOf(const ModelFit& larger) const {
+    const Eigen::Index rows = fitter_.data().rows();
+    double share = 0.0;
+    for (int joint = 0; joint < fitter_.data().joints(); ++joint) {
+      const double before = result_.fit.residual.segment(joint * rows, rows).squaredNorm();
+      const double after = larger.residual.segment(joint * rows, rows).squaredNorm();
+      share = std::max(share, before > 0.0 ? 1.0 - after / before : 0.0);
+    }
+    return share;
+  }
+
   std::string gate(const Candidate& candidate, double p_value) const {
+    if (options_.gates.share && shareOf(*candidate.fit) < kLeastShare) {
+      return "too little";
+    }
     if (options_.gates.chance && p_value >= options_.family_wise_p) {
       return "chance";
     }
@@ -382,42 +401,50 @@ class Selector {
   std::optional<std::size_t> found(std::string_view kind, int joint) const {
     for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
       const Term& term = result_.fit.terms[t];
-      if (!term.declared && term.replaced.empty() && term.recipe->nonlinear.empty() &&
-          term.recipe->kind == kind && term.recipe->joint == joint) {
+      // A coulomb_friction with a shape of its own is another.
+      const bool plain = term.recipe->nonlinear.empty() || kind != "coulomb_friction";
+      if (!term.declared && term.replaced.empty() && plain && term.recipe->kind == kind &&
+          term.recipe->joint == joint) {
         return t;
       }
     }
     return std::nullopt;
   }
 
-  // Dry friction and a bias are, by algebra, dry friction of two levels: one answer, with the other beside
-  // it.
-  void uniteFriction() {
+  // Two findings that are one: dry friction and a bias are, by algebra, dry friction of two levels; dry
+  // friction and what comes on top of it near rest are Stribeck's.
+  void unite(std::string_view second, std::string_view both, std::size_t coefficients) {
     for (const Atom& atom : atoms_.items) {
       const Recipe& recipe = *atom.recipe;
-      const auto level = found("coulomb_friction", recipe.joint);
-      const auto bias = found("torque_bias", recipe.joint);
-      if (recipe.kind != "asymmetric_friction" || recipe.coefficients() != 2 || !level || !bias) {
+      if (recipe.kind != both || recipe.coefficients() != coefficients) {
         continue;
       }
-      const auto [first, second] = std::minmax(*level, *bias);
-      const ModelFit rest = withoutTerm(withoutTerm(result_.fit, second), first);
+      const auto one = found("coulomb_friction", recipe.joint);
+      const auto other = found(second, recipe.joint);
+      if (!one || !other) {
+        continue;
+      }
+      const auto [low, high] = std::minmax(*one, *other);
+      const ModelFit rest = withoutTerm(withoutTerm(result_.fit, high), low);
       std::optional<ModelFit> start =
           withCandidate(fitter_, fitter_.fit(rest, *result_.fit.weighting), atom, Screened{});
       if (!start) {
         continue;
       }
-      ModelFit united = fitter_.fit(std::move(*start), *result_.fit.weighting);
-      if (united.at_edge.empty() && united.objective < result_.fit.objective + unit_) {
-        const Evidence& one = result_.evidence[first];
-        const Evidence& other = result_.evidence[second];
-        Evidence both{
-            .p_value = std::max(one.p_value, other.p_value), .gain = one.gain + other.gain, .rivals = {}};
-        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(second));
-        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(first));
-        result_.evidence.push_back(std::move(both));
-        result_.fit = std::move(united);
+      if (result_.fit.terms[*other].recipe->kind == both) {
+        start->terms.back().nu = result_.fit.terms[*other].nu;
       }
+      ModelFit united = fitter_.fit(std::move(*start), *result_.fit.weighting);
+      if (!united.at_edge.empty() || united.objective > result_.fit.objective + unit_) {
+        continue;
+      }
+      Evidence evidence{.p_value = std::max(result_.evidence[low].p_value, result_.evidence[high].p_value),
+                        .gain = result_.evidence[low].gain + result_.evidence[high].gain,
+                        .rivals = {}};
+      result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(high));
+      result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(low));
+      result_.evidence.push_back(std::move(evidence));
+      result_.fit = std::move(united);
     }
   }
 

@@ -387,6 +387,7 @@ Recording makeUniform(const RawRecording& recorded) {
   recording.name = recorded.name;
   recording.joints = recorded.joints;
   recording.torque_timing = recorded.torque_timing;
+  recording.torque_timing_assumed = recorded.torque_timing_assumed;
   recording.is_static = recorded.is_static;
   if (recorded.is_static) {
     recording.warnings = recorded.warnings;

@@ -1,0 +1,51 @@
+// Torque of simulated rigs, whose drives hold it between samples.
+#include "tools/diagnose/torque_timing.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tools/bench/diagnose/cases.hpp"
+
+using namespace patella;
+using namespace patella::bench;
+using diagnose::Recording;
+using diagnose::TorqueTiming;
+
+namespace {
+
+/// What acted at each sample in the place of what was commanded there.
+Recording asItActed(Recording recording) {
+  for (std::vector<double>& torque : recording.torque_Nm) {
+    for (std::size_t i = torque.size(); i-- > 1;) {
+      torque[i] = 0.5 * (torque[i] + torque[i - 1]);
+    }
+  }
+  return recording;
+}
+
+TorqueTiming timingOf(const Recording& recording, const app::ModelDescription& model) {
+  return diagnose::withTorqueTiming(std::span(&recording, 1), model).front().torque_timing;
+}
+
+}  // namespace
+
+TEST_CASE("whether a torque was held shows in the motion, unless somebody says") {
+  for (const char* mechanism : {"adult_leg", "paper_leg", "light_arm"}) {
+    for (const char* effect : {"viscous_friction", "coulomb_friction"}) {
+      CAPTURE(mechanism);
+      CAPTURE(effect);
+      const Case drawn =
+          drawCase(7000001, Suite::kSingle,
+                   {.effect = effect, .mechanism = mechanism, .motion = "multisine", .strength = 1.0});
+      Recording held = drawn.run.recording;
+      held.torque_timing_assumed = true;
+      CHECK(timingOf(held, drawn.nominal) == TorqueTiming::kHeld);
+      Recording acted = asItActed(held);
+      const auto settled = diagnose::withTorqueTiming(std::span(&acted, 1), drawn.nominal);
+      CHECK(settled.front().torque_timing == TorqueTiming::kSampled);
+      REQUIRE_FALSE(settled.front().warnings.empty());
+      CHECK(settled.front().warnings.back().find("--torque") != std::string::npos);
+      acted.torque_timing_assumed = false;
+      CHECK(timingOf(acted, drawn.nominal) == TorqueTiming::kHeld);
+    }
+  }
+}

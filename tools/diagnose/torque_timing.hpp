@@ -1,0 +1,19 @@
+// Whether a recording's torque was held from sample to sample, where nobody says.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/recording.hpp"
+
+namespace patella::diagnose {
+
+/// A held torque acts half a period later than its sample, on the mean. Returns the recordings with
+/// TorqueTiming::kSampled, and a warning that says so, where the motion follows the torque without that half:
+/// half a period too early for every joint at once. Unchanged where the timing was told, or nothing speaks
+/// against a held torque.
+std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
+                                        const app::ModelDescription& model);
+
+}  // namespace patella::diagnose
