@@ -69,6 +69,8 @@ constexpr double kContradicted = 9.0;
 
 /// Below this a line in the spectrum counts as tremor.
 constexpr double kTremorP = 1e-6;
+/// Of the residual's root mean square, its amplitude at least.
+constexpr double kLeastTremor = 0.35;
 
 bool isTiming(std::string_view kind) {
   return kind == "actuator_delay" || kind == "actuator_lag";
@@ -442,7 +444,7 @@ class Procedure {
       finding.indistinguishable_from.push_back(
           rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
     }
-    addConfounds(finding);
+    addConfounds(finding, train_->joints());
     result_.effects.push_back(std::move(finding));
   }
 
@@ -483,7 +485,7 @@ class Procedure {
   }
 
   // Equal by algebra, whatever the motion; or the limit of what could be behind it.
-  static void addConfounds(EffectFinding& finding) {
+  static void addConfounds(EffectFinding& finding, int joints) {
     if (finding.kind == "asymmetric_friction") {
       finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
     }
@@ -492,6 +494,12 @@ class Procedure {
     if (finding.kind == "rotor_inertia" &&
         std::find(known.begin(), known.end(), "transmission_elasticity") == known.end()) {
       finding.indistinguishable_from.emplace_back("transmission_elasticity");
+    }
+    // Only the ratio of two gains shows: the other is a scaling of all parameters.
+    const std::string other_gain = fmt::format("torque_gain@{}", 2 - finding.joint);
+    if (finding.kind == "torque_gain" && joints == 2 &&
+        std::find(known.begin(), known.end(), other_gain) == known.end()) {
+      finding.indistinguishable_from.push_back(other_gain);
     }
     if (!finding.indistinguishable_from.empty()) {
       finding.separating_motion = separatingMotion(finding.kind);
@@ -509,8 +517,15 @@ class Procedure {
     if (!considered || known) {
       return;
     }
-    const auto line = findTremorLine(*wide_, residualOf(*wide_, extended).residual, kTremorP);
-    if (!line) {
+    const Column left = residualOf(*wide_, extended).residual;
+    const auto line = findTremorLine(*wide_, left, kTremorP);
+    // A spring between motor and link rings by itself.
+    const auto rings = [&](const EffectFinding& effect) {
+      return effect.joint == line->joint &&
+             (effect.kind == "transmission_elasticity" || effect.kind == "backlash");
+    };
+    if (!line || std::any_of(result_.effects.begin(), result_.effects.end(), rings) ||
+        line->amplitude_Nm < kLeastTremor * rms(left, line->joint, wide_->rows())) {
       return;
     }
     const auto estimate = [](const char* name, double value, double sd) {
@@ -523,9 +538,10 @@ class Procedure {
                         estimate("frequency_Hz", line->frequency_Hz, line->frequency_sd_Hz)},
          .p_value = line->p_value,
          .gain = -0.5 * std::log(line->p_value),
-         .indistinguishable_from = {},
+         // A joint with play that is held in place hunts.
+         .indistinguishable_from = {"backlash"},
          .replaces = {},
-         .separating_motion = {}});
+         .separating_motion = "the same posture with the brake on"});
     result_.warnings.emplace_back(
         "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");
   }

@@ -81,6 +81,7 @@ CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger) {
   const Linearised without = linearised(smaller, *larger.weighting, kFolds);
   const Linearised with = linearised(larger, *larger.weighting, kFolds);
   double sum = 0.0, squares = 0.0;
+  int better = 0;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     std::vector<double> weight(kFolds, 1.0);
     weight[fold] = 0.0;
@@ -91,10 +92,11 @@ CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger) {
                         (without.priorError(x_without) - with.priorError(x_with)) / kFolds;
     sum += gain;
     squares += gain * gain;
+    better += gain > 0.0 ? 1 : 0;
   }
   const double mean = sum / kFolds;
   const double variance = std::max(0.0, squares / kFolds - mean * mean) / (kFolds - 1);
-  return {.gain = mean, .standard_error = std::sqrt(variance)};
+  return {.gain = mean, .standard_error = std::sqrt(variance), .almost_everywhere = better >= kFolds - 1};
 }
 
 double stability(const ModelFit& smaller, const ModelFit& larger, double cost, std::uint64_t seed) {

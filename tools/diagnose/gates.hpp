@@ -12,6 +12,9 @@ namespace patella::diagnose {
 struct CrossValidation {
   double gain = 0.0;
   double standard_error = 0.0;
+  /// All blocks but one at most gain. A block that alone shows what a parameter is, such as a motion's onset,
+  /// cannot be foreseen from the others, and its loss, a linear extrapolation, says nothing.
+  bool almost_everywhere = false;
 };
 CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger);
 

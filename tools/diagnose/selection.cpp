@@ -307,7 +307,8 @@ class Selector {
     }
     if (options_.gates.cross_validation) {
       const CrossValidation validated = crossValidate(result_.fit, *candidate.fit);
-      if (validated.gain <= kCrossValidationErrors * validated.standard_error) {
+      if (!validated.almost_everywhere &&
+          validated.gain <= kCrossValidationErrors * validated.standard_error) {
         return "cross-validation";
       }
     }
