@@ -10,95 +10,37 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/considered.hpp"
 #include "tools/diagnose/consistency.hpp"
 #include "tools/diagnose/dependence.hpp"
 #include "tools/diagnose/drive_timing.hpp"
+#include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/estimates.hpp"
 #include "tools/diagnose/excitation.hpp"
+#include "tools/diagnose/findings.hpp"
 #include "tools/diagnose/free_function.hpp"
 #include "tools/diagnose/friction_smoothing.hpp"
 #include "tools/diagnose/gates.hpp"
+#include "tools/diagnose/heldout_elimination.hpp"
 #include "tools/diagnose/late_drive.hpp"
+#include "tools/diagnose/model_error.hpp"
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
-#include "tools/diagnose/simulation_error.hpp"
 #include "tools/diagnose/torque_timing.hpp"
-#include "tools/diagnose/tremor_line.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-constexpr double kSimulationWindow_s = 0.5;
 /// Share of all that was explained, in likelihood and in torque, which a smooth function may still find
 /// behind the named effects, before what was found is called unknown. Likelihood alone would call any misfit
 /// of a recording without noise unknown.
 constexpr double kUnknownShare = 0.05;
 
-std::vector<std::string> consideredKinds(const DiagnoseOptions& options) {
-  std::vector<std::string> kinds;
-  for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
-    kinds.emplace_back(descriptor->kind);
-  }
-  if (options.effects.empty()) {
-    return kinds;
-  }
-  for (const std::string& kind : options.effects) {
-    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-      throw std::invalid_argument(
-          fmt::format("effect kind '{}' is unknown, expected one of {}", kind, fmt::join(kinds, ", ")));
-    }
-  }
-  return options.effects;
-}
-
-std::vector<int> recordedChannels(std::span<const Recording> recordings) {
-  std::vector<int> channels;
-  for (int channel = 0; channel < kMaxEmgChannels; ++channel) {
-    const bool everywhere = std::all_of(recordings.begin(), recordings.end(), [channel](const Recording& r) {
-      const auto& values = r.activation[static_cast<std::size_t>(channel)];
-      return !values.empty() && *std::max_element(values.begin(), values.end()) > 0.0;
-    });
-    if (everywhere) {
-      channels.push_back(channel + 1);
-    }
-  }
-  return channels;
-}
-
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
 
-/// Below this a line in the spectrum counts as tremor.
-constexpr double kTremorP = 1e-6;
-/// Of the residual's root mean square, its amplitude at least.
-constexpr double kLeastTremor = 0.35;
-
 bool isTiming(std::string_view kind) {
   return kind == "actuator_delay" || kind == "actuator_lag";
-}
-
-std::string separatingMotion(std::string_view kind) {
-  const std::string_view variable = betrayingVariable(kind);
-  if (variable == "dq") {
-    return "runs at several steady speeds in both directions, with slow reversals";
-  }
-  if (variable == "tau") {
-    return "fast steps of torque against slow motion, so that the torque changes while position and velocity "
-           "hardly do";
-  }
-  if (variable == "ddq") {
-    return "the same path at two or three times the speed, so that acceleration no longer goes with position";
-  }
-  if (variable == "time") {
-    return "a longer recording, with the same motion at its beginning and at its end";
-  }
-  if (variable == "activation") {
-    return "the same motion with the muscles relaxed";
-  }
-  return "slow motion through the whole range, then the same path fast";
-}
-
-double rms(const Eigen::VectorXd& column, int joint, Eigen::Index rows) {
-  return std::sqrt(column.segment(joint * rows, rows).squaredNorm() / static_cast<double>(rows));
 }
 
 // The first, with each deviation raised to that of the second where it is smaller.
@@ -106,70 +48,6 @@ Eigen::MatrixXd wider(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& 
   const Eigen::VectorXd factor =
       (other.diagonal().array() / covariance.diagonal().array().max(1e-300)).max(1.0).sqrt();
   return factor.asDiagonal() * covariance * factor.asDiagonal();
-}
-
-struct ResidualOf {
-  std::vector<double> rms;
-  std::vector<double> relative;
-  Column residual;
-};
-
-ResidualOf residualOf(const Dataset& data, const app::ModelDescription& model) {
-  model::DynamicsModel dynamics = app::makeModel(model);
-  const Column torque = data.driveTorque();
-  ResidualOf result{.rms = {}, .relative = {}, .residual = torque - data.modelTorque(dynamics)};
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    result.rms.push_back(rms(result.residual, joint, data.rows()));
-    result.relative.push_back(result.rms.back() / std::max(1e-12, rms(torque, joint, data.rows())));
-  }
-  return result;
-}
-
-ErrorMeasure errorMeasure(const Dataset& train, const std::optional<Dataset>& heldout,
-                          const app::ModelDescription& model) {
-  const ResidualOf fitted = residualOf(train, model);
-  ErrorMeasure measure{.train_rms_Nm = fitted.rms,
-                       .heldout_rms_Nm = {},
-                       .train_relative = fitted.relative,
-                       .heldout_relative = {},
-                       .simulation_rms_rad = {}};
-  if (heldout) {
-    const ResidualOf unseen = residualOf(*heldout, model);
-    measure.heldout_rms_Nm = unseen.rms;
-    measure.heldout_relative = unseen.relative;
-    if (!heldout->isStatic()) {
-      measure.simulation_rms_rad = simulationError(*heldout, model, kSimulationWindow_s);
-    }
-  }
-  return measure;
-}
-
-void appendCurves(const Dataset& data, const app::ModelDescription& before,
-                  const app::ModelDescription& after, bool heldout, std::vector<JointCurves>& curves) {
-  const Column first = residualOf(data, before).residual;
-  const Column second = residualOf(data, after).residual;
-  const Column torque = data.driveTorque();
-  curves.resize(static_cast<std::size_t>(data.joints()));
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    JointCurves& curve = curves[static_cast<std::size_t>(joint)];
-    const auto append = [&](std::vector<double>& to, const Eigen::VectorXd& values) {
-      to.insert(to.end(), values.begin(), values.end());
-    };
-    const auto part = [&](const Column& column) -> Eigen::VectorXd {
-      return column.segment(joint * data.rows(), data.rows());
-    };
-    append(curve.time_s, data.time_s());
-    append(curve.position_rad,
-           data.variable([=](const Series& s, std::size_t i) { return s.states[i].q[joint]; }));
-    append(curve.velocity_rad_s,
-           data.variable([=](const Series& s, std::size_t i) { return s.states[i].dq[joint]; }));
-    append(curve.acceleration_rad_s2,
-           data.variable([=](const Series& s, std::size_t i) { return s.acceleration[i][joint]; }));
-    append(curve.torque_Nm, part(torque));
-    append(curve.residual_before_Nm, part(first));
-    append(curve.residual_after_Nm, part(second));
-    curve.heldout.insert(curve.heldout.end(), static_cast<std::size_t>(data.rows()), heldout);
-  }
 }
 
 // One run of the procedure: holds what its stages share.
@@ -217,7 +95,12 @@ class Procedure {
     findLate(first);
     // Time base first: with the drives' delays known, what is missing is looked for anew.
     Search& last = late_.empty() ? first : again_.emplace(search(withLate(), lateJoints()));
-    dropWhatDoesNotHold(*last.fitter, last.selection);
+    if (heldout_ && options_.gates.heldout) {
+      for (const std::string& label : dropWhatDoesNotHold(*last.fitter, last.selection, *heldout_)) {
+        result_.warnings.push_back(
+            label + " explained a part of the recording, but not the held-out part: not added");
+      }
+    }
     report("unexplained", 0.0);
     const DependenceTest dependence =
         testDependence(*train_, last.selection.fit, channels_, 2 * options_.bootstrap_replicates,
@@ -228,7 +111,7 @@ class Procedure {
     report("errors", 0.0);
     measure(first, last);
     if (result_.explanation.empty()) {
-      explain();
+      result_.explanation = explanation(result_, options_.nominal_tolerance);
     }
     return std::move(result_);
   }
@@ -250,7 +133,7 @@ class Procedure {
                   .selection = {}};
     search.fitter->setRedundancy(redundancy(*train_, search.fitter->nominal(), options_.seed));
     search.nominal = search.fitter->nominal();
-    const std::vector<std::string> kinds = consideredKinds(options_);
+    const std::vector<std::string> kinds = consideredKinds(options_.effects);
     const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
     auto considered = recipes(*train_, app::makeModel(model).mechanism(), kinds, channels_,
                               frictionSmoothing(*search.fitter, search.nominal, options_.seed), leg);
@@ -333,44 +216,6 @@ class Procedure {
     }
   }
 
-  double heldoutError(const app::ModelDescription& model) const {
-    const ResidualOf unseen = residualOf(*heldout_, model);
-    return unseen.residual.norm();
-  }
-
-  // An effect without which the error is smaller on data that it was not fitted to is none, or foresees
-  // nothing, as a tremor whose phase wanders.
-  void dropWhatDoesNotHold(ModelFitter& fitter, Selection& selection) {
-    constexpr double kSmaller = 0.998;
-    constexpr double kMoved = 4.0;  // squared standard deviations
-    while (heldout_ && options_.gates.heldout) {
-      double least = kSmaller * heldoutError(fitter.describe(selection.fit));
-      std::optional<Selection> best;
-      std::string dropped;
-      for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
-        if (selection.fit.terms[t].declared) {
-          continue;
-        }
-        Selection smaller = withoutTerm(fitter, selection, t);
-        const double moved =
-            (smaller.fit.prior_residual.squaredNorm() - selection.fit.prior_residual.squaredNorm()) /
-            std::pow(smaller.fit.prior_scale, 2);
-        const double error = heldoutError(fitter.describe(smaller.fit));
-        if (error < least && moved < kMoved) {
-          least = error;
-          best = std::move(smaller);
-          dropped = selection.fit.terms[t].recipe->label();
-        }
-      }
-      if (!best) {
-        return;
-      }
-      result_.warnings.push_back(dropped +
-                                 " explained a part of the recording, but not the held-out part: not added");
-      selection = std::move(*best);
-    }
-  }
-
   void decide(ModelFitter& fitter, const ModelFit& nominal, const Selection& selection,
               const DependenceTest& dependence) {
     result_.steps = selection.steps;
@@ -399,14 +244,14 @@ class Procedure {
     for (const LateDrive& late : late_) {
       addFinding(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence);
     }
-    addTremorLine(fitter.describe(selection.fit));
+    addTremor(fitter.describe(selection.fit));
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
     const double explained = selection.fit.weighting->objective(missing) -
                              selection.fit.weighting->objective(selection.fit.residual);
     const bool unexplained =
         dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain) &&
         std::any_of(dependence.found.begin(), dependence.found.end(), [&](const Dependence& found) {
-          return found.explained_Nm > kUnknownShare * rms(missing, found.joint, train_->rows());
+          return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint);
         });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
@@ -484,66 +329,19 @@ class Procedure {
     return std::move(result_);
   }
 
-  // Equal by algebra, whatever the motion; or the limit of what could be behind it.
-  static void addConfounds(EffectFinding& finding, int joints) {
-    if (finding.kind == "asymmetric_friction") {
-      finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
-    }
-    // A spring too stiff to show.
-    const auto& known = finding.indistinguishable_from;
-    if (finding.kind == "rotor_inertia" &&
-        std::find(known.begin(), known.end(), "transmission_elasticity") == known.end()) {
-      finding.indistinguishable_from.emplace_back("transmission_elasticity");
-    }
-    // Only the ratio of two gains shows: the other is a scaling of all parameters.
-    const std::string other_gain = fmt::format("torque_gain@{}", 2 - finding.joint);
-    if (finding.kind == "torque_gain" && joints == 2 &&
-        std::find(known.begin(), known.end(), other_gain) == known.end()) {
-      finding.indistinguishable_from.push_back(other_gain);
-    }
-    if (!finding.indistinguishable_from.empty()) {
-      finding.separating_motion = separatingMotion(finding.kind);
-    }
-  }
-
-  // A tremor whose phase wanders is found by its line. The model cannot foresee it, so it is named and not
-  // added.
-  void addTremorLine(const app::ModelDescription& extended) {
-    const bool considered =
-        options_.effects.empty() ||
-        std::find(options_.effects.begin(), options_.effects.end(), "tremor") != options_.effects.end();
+  void addTremor(const app::ModelDescription& extended) {
+    const auto& kinds = options_.effects;
+    const bool considered = kinds.empty() || std::find(kinds.begin(), kinds.end(), "tremor") != kinds.end();
     const bool known = std::any_of(result_.effects.begin(), result_.effects.end(),
                                    [](const EffectFinding& effect) { return effect.kind == "tremor"; });
     if (!considered || known) {
       return;
     }
-    const Column left = residualOf(*wide_, extended).residual;
-    const auto line = findTremorLine(*wide_, left, kTremorP);
-    // A spring between motor and link rings by itself.
-    const auto rings = [&](const EffectFinding& effect) {
-      return effect.joint == line->joint &&
-             (effect.kind == "transmission_elasticity" || effect.kind == "backlash");
-    };
-    if (!line || std::any_of(result_.effects.begin(), result_.effects.end(), rings) ||
-        line->amplitude_Nm < kLeastTremor * rms(left, line->joint, wide_->rows())) {
-      return;
+    if (auto tremor = tremorFinding(*wide_, residualOf(*wide_, extended).residual, result_.effects)) {
+      result_.effects.push_back(std::move(*tremor));
+      result_.warnings.emplace_back(
+          "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");
     }
-    const auto estimate = [](const char* name, double value, double sd) {
-      return ParameterEstimate{.name = name, .value = value, .ci95 = {value - 2.0 * sd, value + 2.0 * sd}};
-    };
-    result_.effects.push_back(
-        {.kind = "tremor",
-         .joint = line->joint,
-         .parameters = {estimate("amplitude_Nm", line->amplitude_Nm, line->amplitude_sd_Nm),
-                        estimate("frequency_Hz", line->frequency_Hz, line->frequency_sd_Hz)},
-         .p_value = line->p_value,
-         .gain = -0.5 * std::log(line->p_value),
-         // A joint with play that is held in place hunts.
-         .indistinguishable_from = {"backlash"},
-         .replaces = {},
-         .separating_motion = "the same posture with the brake on"});
-    result_.warnings.emplace_back(
-        "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");
   }
 
   // What does not hold on data that it was not fitted to is not added.
@@ -592,43 +390,6 @@ class Procedure {
     }
   }
 
-  void explain() {
-    switch (result_.verdict) {
-      case Verdict::kEffectFound:
-        result_.explanation = "What was found explains the residual on the held-out part, too.";
-        break;
-      case Verdict::kNothingMissing: {
-        result_.explanation =
-            "After the nominal parameters were refitted, the residual is no more than noise.";
-        const auto moved =
-            std::find_if(result_.nominal.begin(), result_.nominal.end(), [this](const RefittedParameter& p) {
-              return std::abs(std::log(p.refitted / p.nominal)) > 2.0 * options_.nominal_tolerance;
-            });
-        if (moved != result_.nominal.end()) {
-          result_.explanation += fmt::format(
-              " It took {} from {:.4g} to {:.4g}, more than its tolerance: a payload, a rotor or a gain of "
-              "the "
-              "torque would look the same.",
-              moved->name, moved->nominal, moved->refitted);
-        }
-        break;
-      }
-      case Verdict::kUnknownEffect:
-        result_.explanation =
-            result_.unexplained.empty()
-                ? "Something is missing that no effect of the library explains."
-                : fmt::format(
-                      "{} that no effect of the library explains: the residual of joint {} depends on {}.",
-                      result_.effects.empty() ? "Something is missing"
-                                              : "Beside what was found, something is missing",
-                      result_.unexplained.front().joint + 1, result_.unexplained.front().variable);
-        break;
-      case Verdict::kInsufficientExcitation:
-        result_.explanation = "The motion is too poor to tell; see what could not be identified.";
-        break;
-    }
-  }
-
   void measure(const Search& first, const Search& last) {
     const Selection& selection = last.selection;
     result_.extended = last.fitter->describe(selection.fit);
@@ -637,7 +398,7 @@ class Procedure {
     result_.after = errorMeasure(*train_, heldout_, result_.extended);
     keepOnlyWhatHolds();
     for (int joint = 0; joint < train_->joints(); ++joint) {
-      result_.noise_floor_Nm.push_back(rms(selection.fit.residual, joint, train_->rows()));
+      result_.noise_floor_Nm.push_back(jointRms(*train_, selection.fit.residual, joint));
     }
     compareParts();
     addCurves();

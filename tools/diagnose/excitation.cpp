@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/ranking.hpp"
 #include "tools/diagnose/selection.hpp"
 
 namespace patella::diagnose {

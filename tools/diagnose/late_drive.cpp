@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/estimates.hpp"
 
 namespace patella::diagnose {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 
 #include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/mistakes.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -20,8 +20,6 @@ namespace {
 constexpr std::size_t kFewestRows = 200;
 constexpr std::size_t kFewestPostures = 10;
 constexpr double kLargestAngle_rad = 4.0 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kMillimetre = 1e-3;
 
 /// Slow enough for noise and vibration to count little, fast enough for inertia to show.
 constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 200.0, .band_Hz = 6.0};
@@ -37,162 +35,6 @@ constexpr double kExplained = 0.35;
 /// much, but for their sizes: gravity is not far from a spring.
 constexpr double kFarBetter = 0.5;
 constexpr double kFarBetterWithEffects = 0.7;
-
-struct Mistake {
-  std::string mistake;
-  std::string change;
-  std::function<void(Recording&)> correct;
-};
-
-void scale(std::vector<double>& values, double factor) {
-  for (double& value : values) {
-    value *= factor;
-  }
-}
-
-void shift(std::vector<double>& values, double offset) {
-  for (double& value : values) {
-    value += offset;
-  }
-}
-
-// Of one joint, or of all where `joint` is negative.
-std::vector<std::size_t> chosen(int joint, int joints) {
-  if (joint >= 0) {
-    return {static_cast<std::size_t>(joint)};
-  }
-  std::vector<std::size_t> all(static_cast<std::size_t>(joints));
-  for (std::size_t j = 0; j < all.size(); ++j) {
-    all[j] = j;
-  }
-  return all;
-}
-
-// Names of the columns of the chosen joints: "q1_rad and q2_rad".
-std::string columnNames(const std::string& stem, const std::string& unit, int joint, int joints) {
-  std::string names;
-  for (const std::size_t j : chosen(joint, joints)) {
-    names += fmt::format("{}{}{}{}", names.empty() ? "" : " and ", stem, j + 1, unit);
-  }
-  return names;
-}
-
-class Mistakes {
- public:
-  Mistakes(int joints, bool revolute) : joints_(joints), revolute_(revolute) {}
-
-  std::vector<Mistake> all() {
-    for (int joint = joints_ > 1 ? -1 : 0; joint < joints_; ++joint) {
-      units(joint);
-      signs(joint);
-      columns(joint);
-    }
-    if (joints_ == 2) {
-      betweenJoints();
-    }
-    if (revolute_) {
-      zeros();
-    }
-    return std::move(all_);
-  }
-
- private:
-  using Signals = std::array<std::vector<double>, kMaxJoints> Recording::*;
-
-  void add(std::string mistake, std::string change, std::function<void(Recording&)> correct) {
-    all_.push_back({std::move(mistake), std::move(change), std::move(correct)});
-  }
-
-  void addScaled(Signals signals, int joint, double factor, std::string mistake, std::string change) {
-    add(std::move(mistake), std::move(change), [=, joints = joints_](Recording& recording) {
-      for (const std::size_t j : chosen(joint, joints)) {
-        scale((recording.*signals)[j], factor);
-      }
-    });
-  }
-
-  std::string position(int joint) const {
-    return columnNames("q", revolute_ ? "_rad" : "_m", joint, joints_);
-  }
-  std::string torque(int joint) const { return columnNames("tau", revolute_ ? "_Nm" : "_N", joint, joints_); }
-  std::string q(int joint) const { return joint < 0 ? "all q" : fmt::format("q{}", joint + 1); }
-  std::string tau(int joint) const { return joint < 0 ? "all tau" : fmt::format("tau{}", joint + 1); }
-  const char* verb(int joint) const { return joint < 0 ? "are" : "is"; }
-
-  void units(int joint) {
-    const auto q_and = [&](const char* text) { return q(joint) + text; };
-    const auto tau_and = [&](const char* text) { return tau(joint) + text; };
-    const auto is = [&](const std::string& what, const char* text) {
-      return fmt::format("{} {} {}", what, verb(joint), text);
-    };
-    const Signals positions = &Recording::position_rad;
-    const Signals torques = &Recording::torque_Nm;
-    if (revolute_) {
-      addScaled(positions, joint, kDegree, is(position(joint), "in degrees"), q_and("·π/180"));
-      addScaled(positions, joint, 1.0 / kDegree, is(position(joint), "converted from degrees twice"),
-                q_and("·180/π"));
-    } else {
-      addScaled(positions, joint, kMillimetre, is(position(joint), "in millimetres"), q_and("/1000"));
-    }
-    addScaled(torques, joint, kDegree, is(torque(joint), "too large by 180/π"), tau_and("·π/180"));
-    addScaled(torques, joint, 1.0 / kDegree, is(torque(joint), "too small by 180/π"), tau_and("·180/π"));
-  }
-
-  void signs(int joint) {
-    const auto reversed = [&](const std::string& what) {
-      return fmt::format("{} {} of the other sign", what, verb(joint));
-    };
-    addScaled(&Recording::position_rad, joint, -1.0, reversed(position(joint)), "−" + q(joint));
-    addScaled(&Recording::torque_Nm, joint, -1.0, reversed(torque(joint)), "−" + tau(joint));
-    add(fmt::format("{} and {} are of the other sign", position(joint), torque(joint)),
-        fmt::format("−{} and −{}", q(joint), tau(joint)), [=, joints = joints_](Recording& recording) {
-          for (const std::size_t j : chosen(joint, joints)) {
-            scale(recording.position_rad[j], -1.0);
-            scale(recording.torque_Nm[j], -1.0);
-          }
-        });
-  }
-
-  void columns(int joint) {
-    add(fmt::format("{} and {} are swapped", position(joint), torque(joint)),
-        fmt::format("{} for {}", tau(joint), q(joint)), [=, joints = joints_](Recording& recording) {
-          for (const std::size_t j : chosen(joint, joints)) {
-            std::swap(recording.position_rad[j], recording.torque_Nm[j]);
-          }
-        });
-  }
-
-  void betweenJoints() {
-    add("q1_rad and q2_rad are swapped", "q2 for q1",
-        [](Recording& r) { std::swap(r.position_rad[0], r.position_rad[1]); });
-    add("tau1_Nm and tau2_Nm are swapped", "tau2 for tau1",
-        [](Recording& r) { std::swap(r.torque_Nm[0], r.torque_Nm[1]); });
-    add("the joints are swapped", "q2 for q1 and tau2 for tau1", [](Recording& r) {
-      std::swap(r.position_rad[0], r.position_rad[1]);
-      std::swap(r.torque_Nm[0], r.torque_Nm[1]);
-    });
-    for (const double sign : {-1.0, 1.0}) {
-      add("q2_rad is not relative to the first segment", sign < 0.0 ? "q2 − q1" : "q2 + q1",
-          [=](Recording& r) {
-            for (std::size_t i = 0; i < r.rows(); ++i) {
-              r.position_rad[1][i] += sign * r.position_rad[0][i];
-            }
-          });
-    }
-  }
-
-  // Angles of the first joint count from the horizontal; many a machine counts from hanging or upright.
-  void zeros() {
-    for (const double sign : {-1.0, 1.0}) {
-      add("q1_rad is not zero where the segment is horizontal", sign < 0.0 ? "q1 − π/2" : "q1 + π/2",
-          [=](Recording& r) { shift(r.position_rad[0], sign * 0.5 * std::numbers::pi); });
-    }
-  }
-
-  int joints_;
-  bool revolute_;
-  std::vector<Mistake> all_;
-};
 
 /// Columns whose factors are each within a range.
 struct Regression {
@@ -287,7 +129,7 @@ bool isRevolute(const app::ModelDescription& model) {
 
 std::vector<Reading> otherReadings(const Recording& recording, const app::ModelDescription& model) {
   std::vector<Reading> all;
-  for (const Mistake& mistake : Mistakes(recording.joints, isRevolute(model)).all()) {
+  for (const Mistake& mistake : mistakes(recording.joints, isRevolute(model))) {
     Recording corrected = recording;
     mistake.correct(corrected);
     Reading reading = readingOf(corrected, model);

@@ -11,7 +11,8 @@
 
 #include "tools/diagnose/candidate.hpp"
 #include "tools/diagnose/gates.hpp"
-#include "tools/diagnose/recipe_names.hpp"
+#include "tools/diagnose/ranking.hpp"
+#include "tools/diagnose/relations.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -32,162 +33,7 @@ constexpr double kNestedEvidence = 3.84;
 constexpr double kLeastShare = 0.03;
 constexpr double kLeastStability = 0.8;
 constexpr double kCrossValidationErrors = 1.5;
-/// The same draws for all candidates, so that they are compared under the same luck.
-constexpr std::uint64_t kUnitSeed = 20011;
 constexpr int kRivalReplicates = 99;
-constexpr double kDeviations95 = 1.959964;
-
-// Number of a fit's parameters. One of which something is known beforehand counts by the share of a free
-// one's cost, log n, that its evidence takes off: half the logarithm of how much better the data know it
-// (MacKay, Information Theory, Inference, and Learning Algorithms, 28.1), at twice the scale.
-double parameters(const ModelFit& fit) {
-  double count = 0.0;
-  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
-    const Term& term = fit.terms[t];
-    count += static_cast<double>(term.c.size() + term.nu.size());
-    for (std::size_t k = 0; k < term.nu.size(); ++k) {
-      if (term.recipe->nonlinear[k].spread > 0.0) {
-        const Eigen::Index index = fit.offset[t] + static_cast<Eigen::Index>(term.c.size() + k);
-        const double known = std::pow(fit.prior_weight[index], 2);
-        const double told = fit.weighting->apply(fit.tangent.col(index)).squaredNorm();
-        count -= 1.0 - std::min(1.0, std::log1p(told / known) / parameterCost(fit));
-      }
-    }
-  }
-  return count;
-}
-
-// The same but for coefficients that were left out.
-bool isSame(const Recipe& found, const Recipe& recipe) {
-  return found.label() == recipe.label() &&
-         (found.variant == recipe.variant || found.variant.starts_with(recipe.variant + " +") ||
-          found.variant.starts_with(recipe.variant + " -"));
-}
-
-// Both bend the dry friction of a joint near rest: once is enough.
-bool shapesTheSame(const Recipe& one, const Recipe& other) {
-  const auto bends = [](const Recipe& recipe) {
-    return recipe.kind == "stribeck_friction" ||
-           (recipe.kind == "coulomb_friction" && !recipe.nonlinear.empty());
-  };
-  return one.joint == other.joint && bends(one) && bends(other);
-}
-
-bool contains(const Recipe& recipe, const Recipe& other) {
-  // What has a shape of its own is no special case.
-  return other.joint == recipe.joint && other.nonlinear.empty() &&
-         std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
-}
-
-struct Candidate {
-  const Atom* atom = nullptr;
-  const Screened* screened = nullptr;
-  double score = 0.0;  ///< screened gain less the cost of its parameters
-  std::optional<ModelFit> fit;
-  double gain = 0.0;  ///< fall of the objective in units of chance under the candidate's own noise
-  double unit = 1.0;  ///< that unit
-  double margin =
-      -std::numeric_limits<double>::infinity();  ///< gain of the full fit less the cost of its parameters
-  std::string refused_because;
-};
-
-// Refused for a reason that has nothing to do with how much it would explain.
-bool unphysical(const std::string& refusal) {
-  return refusal.starts_with("sign") || refusal.starts_with("range");
-}
-
-// The best point of the grid for each recipe, best recipe first.
-std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, double cost) {
-  std::vector<Candidate> best;
-  for (const Screened& screened : screening.results()) {
-    const Atom& atom = atoms.items[screened.atom];
-    const double score = screened.raw_gain - cost * screened.dimensions;
-    if (score <= 0.0) {
-      continue;
-    }
-    Candidate candidate{
-        .atom = &atom, .screened = &screened, .score = score, .fit = {}, .refused_because = {}};
-    if (screened.wrong_sign) {
-      candidate.refused_because = "sign: " + coefficientName(*atom.recipe, atom.nu, 0);
-    }
-    const auto known = std::find_if(best.begin(), best.end(),
-                                    [&](const Candidate& c) { return c.atom->recipe == atom.recipe; });
-    if (known == best.end()) {
-      best.push_back(std::move(candidate));
-    } else if (std::pair(!screened.wrong_sign, score) >
-               std::pair(!known->screened->wrong_sign, known->score)) {
-      *known = std::move(candidate);
-    }
-  }
-  // What physics refuses comes last: it is shown, not fitted.
-  std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.refused_because.empty(), a.score) > std::pair(b.refused_because.empty(), b.score);
-  });
-  return best;
-}
-
-// The coefficient that the screening, which knows no signs, would make most of where physics does not allow
-// its sign; empty where there is none.
-std::string wrongSign(ModelFitter& fitter, const Candidate& candidate) {
-  const Recipe& recipe = *candidate.atom->recipe;
-  const Eigen::MatrixXd basis = fitter.basis(recipe, candidate.atom->nu);
-  std::string name;
-  double largest = 0.0;
-  for (std::size_t i = 0; i < recipe.coefficients(); ++i) {
-    const auto index = static_cast<Eigen::Index>(i);
-    const double c = candidate.screened->c[index];
-    const double size = std::abs(c) * basis.col(index).norm();
-    if (size > largest) {
-      largest = size;
-      name =
-          recipe.nonnegative[i] && c < 0.0 ? "sign: " + coefficientName(recipe, candidate.atom->nu, i) : "";
-    }
-  }
-  return name;
-}
-
-void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Candidate& candidate) {
-  std::optional<ModelFit> start = withCandidate(fitter, current, *candidate.atom, *candidate.screened);
-  if (!start) {
-    candidate.refused_because = "given by others";
-    return;
-  }
-  candidate.fit = fitter.fit(std::move(*start), *current.weighting);
-  const auto added =
-      static_cast<Eigen::Index>(candidate.fit->terms.back().c.size() + candidate.fit->terms.back().nu.size());
-  candidate.unit = chanceUnit(fitter.data(), *candidate.fit, added, kUnitSeed);
-  candidate.gain = (current.objective - candidate.fit->objective) / candidate.unit;
-  candidate.margin = candidate.gain - cost * (parameters(*candidate.fit) - parameters(current));
-  const auto& edges = candidate.fit->at_edge;
-  const auto edge = std::find_if(edges.begin(), edges.end(),
-                                 [&](const Edge& e) { return e.label == candidate.atom->label; });
-  if (edge != edges.end()) {
-    candidate.refused_because = edge->reason;
-  } else if (candidate.margin <= 0.0) {
-    candidate.refused_because = "bic";
-  }
-  if (!candidate.refused_because.empty()) {
-    const std::string sign = wrongSign(fitter, candidate);
-    candidate.refused_because = sign.empty() ? candidate.refused_because : sign;
-  }
-}
-
-// `threshold` is on the gain less the cost of its parameters; shown is the gain that each candidate has to
-// reach.
-SelectionStep describeStep(const std::vector<Candidate>& candidates, double threshold, double cost) {
-  SelectionStep step;
-  for (const Candidate& candidate : candidates) {
-    // What physics refuses is shown with what it would have explained.
-    const bool fitted = candidate.fit && !unphysical(candidate.refused_because);
-    const double gain = fitted ? candidate.gain : candidate.screened->gain;
-    step.ranking.push_back({.label = candidate.atom->label,
-                            .gain = 0.5 * gain,
-                            .threshold = 0.5 * (threshold + cost * candidate.screened->dimensions),
-                            .accepted = false,
-                            .refused_because = candidate.refused_because});
-  }
-  return step;
-}
 
 class Selector {
  public:
@@ -511,10 +357,6 @@ class Selector {
 
 }  // namespace
 
-double parameterCost(const ModelFit& fit) {
-  return std::log(static_cast<double>(fit.weighting->rows()));
-}
-
 Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
                  const SelectionOptions& options) {
   return Selector(fitter, atoms, nominal, options).run();
@@ -527,40 +369,6 @@ Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size
   // Declared terms that come back stand first.
   smaller.evidence.insert(smaller.evidence.begin(), selection.fit.terms[term].replaced.size(), Evidence{});
   return smaller;
-}
-
-std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& all_covariance,
-                                         std::size_t index) {
-  const Term& term = fit.terms[index];
-  const auto& descriptor = *model::findEffect(term.recipe->kind);
-  const std::vector<double> values = ModelFitter::effectParameters(term);
-  const auto count = static_cast<Eigen::Index>(term.c.size() + term.nu.size());
-  Eigen::MatrixXd slope(static_cast<Eigen::Index>(values.size()), count);
-  const Eigen::MatrixXd covariance = all_covariance.block(fit.offset[index], fit.offset[index], count, count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    Term moved = term;
-    const auto i = static_cast<std::size_t>(k);
-    double& value = i < term.c.size() ? moved.c[i] : moved.nu[i - term.c.size()];
-    const double step = std::max(1e-3 * std::sqrt(covariance(k, k)), 1e-9);
-    value += step;
-    const std::vector<double> there = ModelFitter::effectParameters(moved);
-    for (std::size_t p = 0; p < values.size(); ++p) {
-      slope(static_cast<Eigen::Index>(p), k) = (there[p] - values[p]) / step;
-    }
-  }
-  const Eigen::MatrixXd propagated = slope * covariance * slope.transpose();
-  std::vector<ParameterEstimate> all;
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    const auto row = static_cast<Eigen::Index>(p);
-    const double half = kDeviations95 * std::sqrt(std::max(0.0, propagated(row, row)));
-    // A modelling choice is an estimate where it was fitted.
-    if (descriptor.parameters[p].identified || slope.row(row).squaredNorm() > 0.0) {
-      all.push_back({.name = std::string(descriptor.parameters[p].name),
-                     .value = values[p],
-                     .ci95 = {values[p] - half, values[p] + half}});
-    }
-  }
-  return all;
 }
 
 }  // namespace patella::diagnose

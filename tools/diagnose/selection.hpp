@@ -41,11 +41,4 @@ Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nomina
 /// The selection fitted again without one of its terms.
 Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term);
 
-/// What a parameter costs in −2 log-likelihood (Bayesian information criterion).
-double parameterCost(const ModelFit& fit);
-
-/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance.
-std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& covariance,
-                                         std::size_t term);
-
 }  // namespace patella::diagnose

@@ -1,0 +1,19 @@
+// What a diagnosis looks for.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/recording.hpp"
+
+namespace patella::diagnose {
+
+/// The kinds that were asked for; all of the library where none was. Throws std::invalid_argument, naming it,
+/// where one does not exist.
+std::vector<std::string> consideredKinds(const std::vector<std::string>& asked);
+
+/// EMG channels, from 1, that every recording has.
+std::vector<int> recordedChannels(std::span<const Recording> recordings);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,17 @@
+// What a fit says of an effect's parameters.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/model_fit.hpp"
+
+namespace patella::diagnose {
+
+/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance.
+std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& covariance,
+                                         std::size_t term);
+
+}  // namespace patella::diagnose

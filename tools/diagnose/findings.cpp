@@ -1,0 +1,125 @@
+#include "tools/diagnose/findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/recipe.hpp"
+#include "tools/diagnose/tremor_line.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Below this a line in the spectrum counts as tremor.
+constexpr double kTremorP = 1e-6;
+/// Of the residual's root mean square, its amplitude at least.
+constexpr double kLeastTremor = 0.35;
+
+std::string separatingMotion(std::string_view kind) {
+  const std::string_view variable = betrayingVariable(kind);
+  if (variable == "dq") {
+    return "runs at several steady speeds in both directions, with slow reversals";
+  }
+  if (variable == "tau") {
+    return "fast steps of torque against slow motion, so that the torque changes while position and velocity "
+           "hardly do";
+  }
+  if (variable == "ddq") {
+    return "the same path at two or three times the speed, so that acceleration no longer goes with position";
+  }
+  if (variable == "time") {
+    return "a longer recording, with the same motion at its beginning and at its end";
+  }
+  if (variable == "activation") {
+    return "the same motion with the muscles relaxed";
+  }
+  return "slow motion through the whole range, then the same path fast";
+}
+
+}  // namespace
+
+void addConfounds(EffectFinding& finding, int joints) {
+  if (finding.kind == "asymmetric_friction") {
+    finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
+  }
+  // A spring too stiff to show.
+  const auto& known = finding.indistinguishable_from;
+  if (finding.kind == "rotor_inertia" &&
+      std::find(known.begin(), known.end(), "transmission_elasticity") == known.end()) {
+    finding.indistinguishable_from.emplace_back("transmission_elasticity");
+  }
+  // Only the ratio of two gains shows: the other is a scaling of all parameters.
+  const std::string other_gain = fmt::format("torque_gain@{}", 2 - finding.joint);
+  if (finding.kind == "torque_gain" && joints == 2 &&
+      std::find(known.begin(), known.end(), other_gain) == known.end()) {
+    finding.indistinguishable_from.push_back(other_gain);
+  }
+  if (!finding.indistinguishable_from.empty()) {
+    finding.separating_motion = separatingMotion(finding.kind);
+  }
+}
+
+std::optional<EffectFinding> tremorFinding(const Dataset& wide, const Column& left,
+                                           std::span<const EffectFinding> found) {
+  const auto line = findTremorLine(wide, left, kTremorP);
+  // A spring between motor and link rings by itself.
+  const auto rings = [&](const EffectFinding& effect) {
+    return effect.joint == line->joint &&
+           (effect.kind == "transmission_elasticity" || effect.kind == "backlash");
+  };
+  if (!line || std::any_of(found.begin(), found.end(), rings) ||
+      line->amplitude_Nm < kLeastTremor * jointRms(wide, left, line->joint)) {
+    return std::nullopt;
+  }
+  const auto estimate = [](const char* name, double value, double sd) {
+    return ParameterEstimate{.name = name, .value = value, .ci95 = {value - 2.0 * sd, value + 2.0 * sd}};
+  };
+  return EffectFinding{.kind = "tremor",
+                       .joint = line->joint,
+                       .parameters = {estimate("amplitude_Nm", line->amplitude_Nm, line->amplitude_sd_Nm),
+                                      estimate("frequency_Hz", line->frequency_Hz, line->frequency_sd_Hz)},
+                       .p_value = line->p_value,
+                       .gain = -0.5 * std::log(line->p_value),
+                       // A joint with play that is held in place hunts.
+                       .indistinguishable_from = {"backlash"},
+                       .replaces = {},
+                       .separating_motion = "the same posture with the brake on"};
+}
+
+std::string explanation(const Diagnosis& diagnosis, double tolerance) {
+  switch (diagnosis.verdict) {
+    case Verdict::kEffectFound:
+      return "What was found explains the residual on the held-out part, too.";
+    case Verdict::kNothingMissing: {
+      const std::string text =
+          "After the nominal parameters were refitted, the residual is no more than noise.";
+      const auto moved =
+          std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(), [=](const RefittedParameter& p) {
+            return std::abs(std::log(p.refitted / p.nominal)) > 2.0 * tolerance;
+          });
+      if (moved == diagnosis.nominal.end()) {
+        return text;
+      }
+      return text + fmt::format(
+                        " It took {} from {:.4g} to {:.4g}, more than its tolerance: a payload, a rotor or a "
+                        "gain of "
+                        "the torque would look the same.",
+                        moved->name, moved->nominal, moved->refitted);
+    }
+    case Verdict::kUnknownEffect:
+      if (diagnosis.unexplained.empty()) {
+        return "Something is missing that no effect of the library explains.";
+      }
+      return fmt::format(
+          "{} that no effect of the library explains: the residual of joint {} depends on {}.",
+          diagnosis.effects.empty() ? "Something is missing" : "Beside what was found, something is missing",
+          diagnosis.unexplained.front().joint + 1, diagnosis.unexplained.front().variable);
+    case Verdict::kInsufficientExcitation:
+      return "The motion is too poor to tell; see what could not be identified.";
+  }
+  return "";
+}
+
+}  // namespace patella::diagnose

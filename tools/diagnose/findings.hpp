@@ -1,0 +1,25 @@
+// What a diagnosis says of its effects beyond their parameters, and of itself.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/diagnosis.hpp"
+
+namespace patella::diagnose {
+
+/// Adds what equals an effect by algebra, whatever the motion, or is the limit of what could be behind it;
+/// and the motion that would tell apart all that it cannot be told from.
+void addConfounds(EffectFinding& finding, int joints);
+
+/// A tremor whose phase wanders, by its line in what is left of the torque, unless what was found rings by
+/// itself. The model cannot foresee it, so it can be named and not added.
+std::optional<EffectFinding> tremorFinding(const Dataset& wide, const Column& left,
+                                           std::span<const EffectFinding> found);
+
+/// The verdict in a sentence or two. Of its nominal parameters those count as moved that left `tolerance`.
+std::string explanation(const Diagnosis& diagnosis, double tolerance);
+
+}  // namespace patella::diagnose

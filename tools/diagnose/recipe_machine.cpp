@@ -1,0 +1,151 @@
+#include <algorithm>
+
+#include "tools/diagnose/recipe_parts.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+Recipe payload(const Motion& motion) {
+  Recipe recipe = start("payload", motion, {true});
+  recipe.nonlinear = {{.lower = 0.05, .upper = 0.8}};
+  recipe.grid = product({{0.1, 0.2, 0.3, 0.4}});
+  recipe.parameters = [](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("payload").set("mass_kg", c[0]).set("distance_m", nu[0]);
+  };
+  return recipe;
+}
+
+// Cycles per radian: from one and a half over the range to what the joint's speed keeps within the band.
+double coarsestRipple(const Motion& motion) {
+  return std::max(0.5, 1.5 / motion.position_range);
+}
+
+double finestRipple(const Motion& motion) {
+  return std::min(60.0, motion.band_Hz / (1.2 * motion.velocity_rms));
+}
+
+bool rippleFits(const Motion& motion) {
+  return coarsestRipple(motion) <= finestRipple(motion);
+}
+
+Recipe torqueRipple(const Motion& motion) {
+  const double step = 0.4 / motion.position_range;
+  return oscillation("torque_ripple", motion, "cycles_per_rad",
+                     range(coarsestRipple(motion), finestRipple(motion), step));
+}
+
+/// No drive is later.
+constexpr double kLatest_s = 0.05;
+
+Recipe timing(const char* kind, const Motion& motion, const char* name, double upper_s) {
+  Recipe recipe = start(kind, motion, {});
+  recipe.nonlinear = {{.lower = 1e-4, .upper = upper_s}};
+  recipe.grid = product({{0.002, 0.006, 0.015, 0.03}});
+  recipe.proportional = true;
+  recipe.by_asked_torque = true;
+  recipe.parameters = [=](Numbers, Numbers nu) -> std::vector<double> {
+    return Parameters(kind).set(name, nu[0]);
+  };
+  return recipe;
+}
+
+Recipe encoderOffset(const Motion& motion) {
+  Recipe recipe = start("encoder_offset", motion, {});
+  recipe.nonlinear = {{.lower = -0.25, .upper = 0.25}};
+  recipe.grid = product({{-0.02, 0.02}});
+  recipe.proportional = true;
+  recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    return Parameters("encoder_offset").set("offset_rad", nu[0]);
+  };
+  return recipe;
+}
+
+// ν = (resonance of the drive against its spring, inertia of the drive): from within the band to where the
+// spring could as well be rigid.
+Recipe transmissionElasticity(const Motion& motion) {
+  constexpr double kDampingRatio = 0.1;
+  Recipe recipe = start("transmission_elasticity", motion, {});
+  recipe.contains = {"rotor_inertia"};
+  const double inertia = std::max(0.001, motion.inertia);
+  recipe.nonlinear = {{.lower = 4.0, .upper = 200.0}, {.lower = 0.002 * inertia, .upper = 2.0 * inertia}};
+  recipe.grid =
+      product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0}, {0.05 * inertia, 0.2 * inertia, 0.7 * inertia}});
+  recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    return Parameters("transmission_elasticity")
+        .set("stiffness_Nm_rad", nu[0] * nu[0] * nu[1])
+        .set("rotor_inertia_kg_m2", nu[1])
+        .set("damping_Nms_rad", 2.0 * kDampingRatio * nu[0] * nu[1]);
+  };
+  return recipe;
+}
+
+// The contact is as stiff as it takes for the motor to ring in it at about 100 Hz, far above the band.
+Recipe backlash(const Motion& motion) {
+  constexpr double kContact_rad_s = 600.0;
+  constexpr double kDampingRatio = 0.3;
+  Recipe recipe = start("backlash", motion, {});
+  recipe.contains = {"rotor_inertia"};
+  recipe.nonlinear = {{.lower = 0.0005, .upper = 0.2}, {.lower = 0.0005, .upper = 5.0}};
+  const double inertia = std::max(0.001, motion.inertia);
+  recipe.grid = product({{0.004, 0.012, 0.04}, {0.01 * inertia, 0.05 * inertia, 0.2 * inertia}});
+  recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    return Parameters("backlash")
+        .set("gap_rad", nu[0])
+        .set("rotor_inertia_kg_m2", nu[1])
+        .set("stiffness_Nm_rad", nu[1] * kContact_rad_s * kContact_rad_s)
+        .set("damping_Nms_rad", 2.0 * kDampingRatio * nu[1] * kContact_rad_s);
+  };
+  return recipe;
+}
+
+Recipe thermalDrift(const Motion& motion, const char* what, double smoothing) {
+  Recipe recipe = start("thermal_drift", motion, {false});
+  recipe.variant = what;
+  const double duration_s = motion.duration_s;
+  recipe.nonlinear = {{.lower = std::max(10.0, 0.15 * duration_s), .upper = 3.0 * duration_s + 20.0}};
+  recipe.grid = product({{std::max(10.0, 0.25 * duration_s), std::max(12.0, duration_s)}});
+  recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("thermal_drift")
+        .set("offset_Nm", 0.0)
+        .set("friction_Nm", 0.0)
+        .set("viscous_Nms_rad", 0.0)
+        .set(what, c[0])
+        .set("time_constant_s", nu[0])
+        .set(kSmoothing, smoothing);
+  };
+  return recipe;
+}
+
+}  // namespace
+
+void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>& all) {
+  if (kind == "payload") {
+    all.push_back(payload(motion));
+  } else if (kind == "rotor_inertia") {
+    all.push_back(single("rotor_inertia", motion, "inertia_kg_m2", true));
+  } else if (kind == "transmission_elasticity") {
+    all.push_back(transmissionElasticity(motion));
+  } else if (kind == "backlash") {
+    all.push_back(backlash(motion));
+  } else if (kind == "torque_ripple" && rippleFits(motion)) {
+    all.push_back(torqueRipple(motion));
+  } else if (kind == "torque_gain") {
+    all.push_back(single("torque_gain", motion, "gain_error", false));
+    // Anything large that goes with the torque would pass for a gain of almost −1.
+    all.back().largest = 0.3;
+  } else if (kind == "torque_bias") {
+    all.push_back(single("torque_bias", motion, "bias_Nm", false));
+  } else if (kind == "actuator_lag") {
+    all.push_back(timing("actuator_lag", motion, "time_constant_s", kLatest_s));
+  } else if (kind == "actuator_delay") {
+    all.push_back(timing("actuator_delay", motion, "delay_s", kLatest_s));
+  } else if (kind == "encoder_offset") {
+    all.push_back(encoderOffset(motion));
+  } else if (kind == "thermal_drift" && motion.duration_s > 0.0) {
+    for (const char* what : {"offset_Nm", "friction_Nm", "viscous_Nms_rad"}) {
+      all.push_back(thermalDrift(motion, what, motion.smoothing_rad_s));
+    }
+  }
+}
+
+}  // namespace patella::diagnose

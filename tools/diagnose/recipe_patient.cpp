@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/recipe_parts.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+// c = (stiffness, stiffness times rest position). A constant torque is no spring that rests far away.
+Recipe linearStiffness(const Motion& motion) {
+  Recipe recipe = start("linear_stiffness", motion, {true, false});
+  recipe.contains = {"linear_stiffness", "torque_bias"};
+  recipe.parameters = [](Numbers c, Numbers) -> std::vector<double> {
+    return Parameters("linear_stiffness")
+        .set("stiffness_Nm_rad", c[0])
+        .set("rest_position_rad", c[0] > 0.0 ? c[1] / c[0] : 0.0);
+  };
+  constexpr double kFarthestRest = 2.0;  // ranges of the motion, from its middle
+  const double middle = motion.lowest_position + 0.5 * motion.position_range;
+  const double farthest = kFarthestRest * motion.position_range;
+  recipe.beyond = [=](Numbers c) -> std::string {
+    return std::abs(c[1] - c[0] * middle) > c[0] * farthest ? "rest_position_rad" : "";
+  };
+  recipe.basis = [](Numbers) -> std::vector<std::vector<BasisTerm>> {
+    const std::vector<double> centred =
+        Parameters("linear_stiffness").set("stiffness_Nm_rad", 1.0).set("rest_position_rad", 0.0);
+    const std::vector<double> shifted =
+        Parameters("linear_stiffness").set("stiffness_Nm_rad", 1.0).set("rest_position_rad", 1.0);
+    return {{{.weight = 1.0, .parameters = centred}},
+            {{.weight = 1.0, .parameters = shifted}, {.weight = -1.0, .parameters = centred}}};
+  };
+  return recipe;
+}
+
+Recipe tremor(const Motion& motion) {
+  // Finer than the width of a line of this length, which would fall between two points.
+  return oscillation("tremor", motion, "frequency_Hz",
+                     range(3.0, std::min(12.0, 0.9 * motion.band_Hz), 0.6 / motion.duration_s));
+}
+
+Recipe spasticity(const Motion& motion, double direction) {
+  Recipe recipe = start("spasticity", motion, {true});
+  recipe.variant = direction > 0.0 ? "direction +1" : "direction -1";
+  const double rms = motion.velocity_rms;
+  recipe.nonlinear = {{.lower = 0.1 * rms, .upper = 2.0 * rms}, {.lower = 0.0, .upper = 0.1}};
+  recipe.grid = product({{0.3 * rms, 0.8 * rms, 1.3 * rms}, {0.02, 0.05, 0.08}});
+  recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("spasticity")
+        .set("gain_Nms_rad", c[0])
+        .set("threshold_rad_s", nu[0])
+        .set("delay_s", nu[1])
+        .set("direction", direction);
+  };
+  return recipe;
+}
+
+Recipe emgTorque(const Motion& motion, int channel) {
+  Recipe recipe = start("emg_torque", motion, {false});
+  recipe.variant = fmt::format("channel {}", channel);
+  recipe.nonlinear = {{.lower = 0.0, .upper = 0.15}};
+  recipe.grid = product({{0.02, 0.05, 0.08, 0.11}});
+  recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("emg_torque").set("gain_Nm", c[0]).set("channel", channel).set("delay_s", nu[0]);
+  };
+  return recipe;
+}
+
+// c = (factor of the flexion term, factor of the extension term, offset); the slopes are nonlinear.
+Recipe passiveKneeMoment(const Motion& motion) {
+  Recipe recipe = start("passive_knee_moment", motion, {true, true, false});
+  recipe.contains = {"passive_knee_moment", "torque_bias"};
+  const Parameters typical("passive_knee_moment");
+  const double silent = typical.of("flexion_log_Nm").minimum;
+  constexpr std::array kSlopes{"flexion_knee_1_rad", "flexion_hip_1_rad", "extension_knee_1_rad",
+                               "extension_hip_1_rad"};
+  // Logarithms of the ratios to the published slopes, which are means over ten persons. Two persons differ by
+  // a factor of two easily; quite free, the exponentials would fit anything. Motion bends by other things
+  // than tissue, so that there the slopes have to stay near what is known.
+  const bool at_rest = motion.duration_s == 0.0;
+  const double spread = std::log(at_rest ? 2.0 : 1.5);
+  const double most = (at_rest ? 3.0 : 1.5) * spread;
+  recipe.nonlinear.assign(kSlopes.size(), {.lower = -most, .upper = most, .spread = spread});
+  recipe.grid = product(std::vector<std::vector<double>>(kSlopes.size(), {0.0}));
+  const auto shape = [=](Numbers nu, double flexion, double extension, double offset) {
+    Parameters parameters("passive_knee_moment");
+    for (std::size_t i = 0; i < kSlopes.size(); ++i) {
+      parameters.set(kSlopes[i], typical.of(kSlopes[i]).initial * std::exp(nu[i]));
+    }
+    parameters.set("flexion_log_Nm", flexion > 0.0 ? std::log(flexion) : silent);
+    parameters.set("extension_log_Nm", extension > 0.0 ? std::log(extension) : silent);
+    parameters.set("offset_Nm", offset);
+    return std::vector<double>(parameters);
+  };
+  recipe.parameters = [=](Numbers c, Numbers nu) { return shape(nu, c[0], c[1], c[2]); };
+  return recipe;
+}
+
+}  // namespace
+
+void addPatient(std::string_view kind, const Motion& motion, std::span<const int> channels,
+                std::vector<Recipe>& all) {
+  if (kind == "linear_stiffness") {
+    all.push_back(linearStiffness(motion));
+  } else if (kind == "passive_knee_moment") {
+    all.push_back(passiveKneeMoment(motion));
+  } else if (kind == "tremor" && motion.duration_s > 0.0 && 0.9 * motion.band_Hz > 3.0) {
+    all.push_back(tremor(motion));
+  } else if (kind == "spasticity") {
+    all.push_back(spasticity(motion, 1.0));
+    all.push_back(spasticity(motion, -1.0));
+  } else if (kind == "emg_torque") {
+    for (const int channel : channels) {
+      all.push_back(emgTorque(motion, channel));
+    }
+  }
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,27 @@
+#include "tools/diagnose/relations.hpp"
+
+#include <algorithm>
+
+namespace patella::diagnose {
+
+bool isSame(const Recipe& found, const Recipe& recipe) {
+  return found.label() == recipe.label() &&
+         (found.variant == recipe.variant || found.variant.starts_with(recipe.variant + " +") ||
+          found.variant.starts_with(recipe.variant + " -"));
+}
+
+bool shapesTheSame(const Recipe& one, const Recipe& other) {
+  const auto bends = [](const Recipe& recipe) {
+    return recipe.kind == "stribeck_friction" ||
+           (recipe.kind == "coulomb_friction" && !recipe.nonlinear.empty());
+  };
+  return one.joint == other.joint && bends(one) && bends(other);
+}
+
+bool contains(const Recipe& recipe, const Recipe& other) {
+  // What has a shape of its own is no special case.
+  return other.joint == recipe.joint && other.nonlinear.empty() &&
+         std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,17 @@
+// How effects on one joint relate to each other.
+#pragma once
+
+#include "tools/diagnose/recipe.hpp"
+
+namespace patella::diagnose {
+
+/// The same but for coefficients that were left out.
+bool isSame(const Recipe& found, const Recipe& recipe);
+
+/// Both bend the dry friction of a joint near rest: once is enough.
+bool shapesTheSame(const Recipe& one, const Recipe& other);
+
+/// The other is a special case of the recipe, of another kind or its own.
+bool contains(const Recipe& recipe, const Recipe& other);
+
+}  // namespace patella::diagnose
