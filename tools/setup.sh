@@ -3,6 +3,7 @@
 #
 #   tools/setup.sh          to build and run
 #   tools/setup.sh --test   also to test: second compiler, formatter, linter, reference libraries
+#   tools/setup.sh --cross  also to build for arm64 and to run that under emulation; exit status 77 where that cannot be had
 set -euo pipefail
 
 # doctest is here because configuring a build configures its tests too.
@@ -16,6 +17,10 @@ test_packages=(can-utils clang-format clang-tidy iproute2 libtorch-dev python3)
 # Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
 optional_test_packages=(clang-22 libclang-rt-22-dev)
 
+# The cross compiler brings its own C library; crossbuild-essential would upgrade and remove packages of the host.
+cross_packages=(cpio g++-aarch64-linux-gnu kmod python3 qemu-system-arm qemu-user-static)
+cross_libraries=(libgpiod-dev:arm64 libmd-dev:arm64 libspdlog-dev:arm64 libtomlplusplus-dev:arm64)
+
 installed() { dpkg-query -W -f '${db:Status-Abbrev}' "$1" 2>/dev/null | grep -q '^ii'; }
 
 wanted=("${build_packages[@]}")
@@ -26,8 +31,12 @@ case "${1:-}" in
     wanted+=("${test_packages[@]}")
     optional=("${optional_test_packages[@]}")
     ;;
+  --cross)
+    wanted+=("${cross_packages[@]}")
+    [ "$(dpkg --print-architecture)" = arm64 ] || wanted+=("${cross_libraries[@]}")
+    ;;
   *)
-    echo "tools/setup.sh: unknown argument '$1', expected --test or nothing" >&2
+    echo "tools/setup.sh: unknown argument '$1', expected --test, --cross or nothing" >&2
     exit 2
     ;;
 esac
@@ -46,7 +55,15 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 export DEBIAN_FRONTEND=noninteractive
 echo "Installing: ${missing[*]}"
+if [ "${1:-}" = --cross ] && [ "$(dpkg --print-architecture)" != arm64 ]; then
+  dpkg --add-architecture arm64
+fi
 apt-get update -qq
+if [ "${1:-}" = --cross ] &&
+  ! apt-get -s -qq --no-remove --no-install-recommends install "${missing[@]}" >/dev/null 2>&1; then
+  echo "tools/setup.sh: cannot have ${missing[*]} without removing packages of this machine; nothing was installed" >&2
+  exit 77
+fi
 required=()
 for package in "${missing[@]}"; do
   if printf '%s\n' "${optional[@]}" | grep -qx "$package" && ! apt-cache show "$package" >/dev/null 2>&1; then

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what testing needs, builds, and runs every check.
 #
-#   tools/test.sh            everything: style, unit, integration, board tests, all sanitizers
+#   tools/test.sh            everything: style, unit, integration, board tests, all sanitizers, arm64 under emulation
 #   tools/test.sh --quick    the release build's fast tests, for use while working
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -55,6 +55,18 @@ for preset in asan tsan rtsan; do
   headline "tests: $preset"
   ctest --preset "$preset" -j "$(nproc)"
 done
+
+cross=0
+tools/setup.sh --cross || cross=$?
+if [ "$cross" -eq 0 ]; then
+  build arm64 all
+  headline "tests: arm64, under user emulation"
+  ctest --preset arm64 -j "$(nproc)"
+elif [ "$cross" -eq 77 ]; then
+  echo "SKIPPED: the arm64 build needs packages that cannot be had here (tools/setup.sh --cross)"
+else
+  exit "$cross"
+fi
 
 headline "lint"
 tools/checks/tidy.sh build/release
