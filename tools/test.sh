@@ -60,10 +60,10 @@ cross=0
 tools/setup.sh --cross || cross=$?
 if [ "$cross" -eq 0 ]; then
   build arm64 all
-  headline "tests: arm64, under user emulation"
+  headline "tests: arm64, under user emulation and on the emulated board"
   ctest --preset arm64 -j "$(nproc)"
 elif [ "$cross" -eq 77 ]; then
-  echo "SKIPPED: the arm64 build needs packages that cannot be had here (tools/setup.sh --cross)"
+  echo "SKIPPED: arm64 and the emulated board need packages that cannot be had here (tools/setup.sh --cross)"
 else
   exit "$cross"
 fi

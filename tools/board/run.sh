@@ -1,0 +1,124 @@
+#!/usr/bin/env bash
+# Boots the emulated board with this project's programs, runs a scenario on it and shows its console meanwhile.
+#
+#   tools/board/run.sh SCENARIO [--artefacts DIR] [--kernel rt|plain] [--limit SECONDS] [-- ARGUMENT...]
+#
+# SCENARIO is a shell script, or the name of one in tests/board/qemu/scenarios. Lines in it that begin with "# board:"
+# say what it needs: kernel=rt|plain, time=counted|wall, can=CONTROLLERS, limit=SECONDS, program=PATH in the build tree.
+# Counted time (the default) passes with the instructions executed, whatever else the host does: a run repeats exactly.
+# Wall time is the host's.
+#
+# Exits with the scenario's status; 77 where the board cannot be had here; 99 when it ended without a status. DIR
+# (build/board/runs/NAME) then holds serial.log, kernel.log and whatever the scenario left in $PATELLA_ARTEFACTS.
+#
+# Environment: PATELLA_BIN_DIR      arm64 build tree; without it, build/arm64 is brought up to date first
+#              PATELLA_BOARD_CACHE  where packages and images are kept (build/board)
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+source_dir=$(cd "$here/../.." && pwd)
+. "$here/libraries.sh"
+
+usage() { sed -n '2,17s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+unavailable() {
+  echo "==================================================================" >&2
+  echo "SKIPPED, NOT tested on the emulated board: $*" >&2
+  echo "==================================================================" >&2
+  exit 77
+}
+
+[ $# -ge 1 ] || usage
+case $1 in -h | --help) usage ;; esac
+scenario=$1; shift
+[ -f "$scenario" ] || scenario=$source_dir/tests/board/qemu/scenarios/$scenario.sh
+[ -f "$scenario" ] || { echo "run.sh: no scenario $scenario" >&2; exit 2; }
+name=$(basename "$scenario" .sh)
+
+# What the scenario needs, then what the command line says.
+kernel=rt time=counted can=0 limit=150 programs=() artefacts=
+for need in $(sed -n 's/^# board://p' "$scenario"); do
+  case $need in
+    kernel=* | time=* | can=* | limit=*) declare "$need" ;;
+    program=*) programs+=("${need#program=}") ;;
+    *) echo "run.sh: $scenario: unknown need '$need'" >&2; exit 2 ;;
+  esac
+done
+while [ $# -gt 0 ]; do
+  case $1 in
+    --artefacts | --kernel | --limit) [ $# -ge 2 ] || usage; declare "${1#--}=$2"; shift 2 ;;
+    --) shift; break ;;
+    *) usage ;;
+  esac
+done
+[[ $kernel =~ ^(rt|plain)$ ]] || { echo "run.sh: kernel '$kernel', expected rt or plain" >&2; exit 2; }
+[[ $time =~ ^(counted|wall)$ ]] || { echo "run.sh: time '$time', expected counted or wall" >&2; exit 2; }
+
+for tool in qemu-system-aarch64 python3 cpio; do
+  command -v "$tool" >/dev/null || unavailable "no $tool (tools/setup.sh --cross)"
+done
+cache=${PATELLA_BOARD_CACHE:-$source_dir/build/board}
+mkdir -p "$cache"
+cache=$(cd "$cache" && pwd)
+status=0
+image=$(PATELLA_BOARD_CACHE=$cache "$here/image.sh" "$kernel") || status=$?
+[ "$status" -ne 77 ] || unavailable "its packages cannot be had"
+[ "$status" -eq 0 ] || exit "$status"
+
+if [ -z "${PATELLA_BIN_DIR:-}" ]; then
+  PATELLA_BIN_DIR=$source_dir/build/arm64
+  (cd "$source_dir" && { [ -f build/arm64/build.ninja ] || cmake --preset arm64 >&2; } &&
+    cmake --build --preset arm64 --target patella patella-rig patella_board_host_call "${programs[@]##*/}" >&2)
+fi
+
+# What this run adds to the image.
+work=$(mktemp -d "$cache/run.XXXXXX")
+trap 'rm -rf "$work"' EXIT
+root=$work/root
+mkdir -p "$root/job" "$root/usr/local/bin" "$root/opt/patella" "$work/console"
+for program in firmware_app/patella firmware_app/patella-rig tools/board/host_call "${programs[@]}"; do
+  aarch64-linux-gnu-strip -o "$root/usr/local/bin/${program##*/}" "$PATELLA_BIN_DIR/$program"
+done
+copy_libraries "$root" /usr/lib/aarch64-linux-gnu /usr/aarch64-linux-gnu/lib
+(cd "$source_dir" && cp -r --parents firmware_app/config drivers/can/*.dbc tests/board/qemu "$root/opt/patella/")
+cp "$scenario" "$root/job/scenario"
+{
+  echo "export PATELLA_SOURCE=/opt/patella"
+  printf 'set --'
+  [ $# -eq 0 ] || printf " '%s'" "${@//\'/\'\\\'\'}"
+  echo
+} >"$root/job/settings"
+make_cpio "$root" "$work/job.cpio.gz"
+cat "$image/base.cpio.gz" "$work/job.cpio.gz" >"$work/initramfs"
+
+qemu=(qemu-system-aarch64 -M virt,dtb-randomness=off -cpu cortex-a72 -m 512 -nodefaults -display none -no-reboot
+  -kernel "$image/vmlinuz" -initrd "$work/initramfs"
+  -append "console=ttyAMA0 nokaslr norandmaps quiet panic=-1 rdinit=/init"
+  -chardev stdio,id=console,signal=off -serial chardev:console
+  -semihosting-config enable=on,userspace=on)
+if [ "$time" = counted ]; then
+  qemu+=(-icount shift=0,sleep=off -rtc base=2020-01-01,clock=vm)
+fi
+if [ "$can" -gt 0 ]; then
+  qemu+=(-object can-bus,id=bus)
+  for ((i = 0; i < can; ++i)); do qemu+=(-device kvaser_pci,canbus=bus); done
+fi
+
+started=$(date +%s)
+ended=0
+python3 "$here/console.py" --limit "$limit" --folder "$work/console" -- "${qemu[@]}" || ended=$?
+artefacts=${artefacts:-$cache/runs/$name}
+rm -rf "$artefacts"
+mkdir -p "$artefacts"
+cp "$work/console/serial.log" "$artefacts/"
+if [ -s "$work/console/artefacts.tar" ]; then
+  tar -x -C "$artefacts" -f "$work/console/artefacts.tar"
+fi
+status=99
+if [ "$ended" = 0 ] && [ -s "$work/console/status" ]; then
+  status=$(cat "$work/console/status")
+fi
+echo "board: $name, kernel $(cat "$image/release"), $time time: status $status after $(($(date +%s) - started)) s"
+if [ "$status" != 0 ]; then
+  [ "$status" != 99 ] || echo "run.sh: the board ended without a status" >&2
+  echo "run.sh: serial log and artefacts in $artefacts" >&2
+fi
+exit "$status"
