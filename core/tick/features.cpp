@@ -22,6 +22,10 @@ const std::array<std::string_view, kFeatureCount>& featureNames() noexcept {
                                                                          "f_s2_rad_s2",
                                                                          "f_s_filtered1_rad_s2",
                                                                          "f_s_filtered2_rad_s2",
+                                                                         "d_hat1_Nm",
+                                                                         "d_hat2_Nm",
+                                                                         "ddq_hat1_rad_s2",
+                                                                         "ddq_hat2_rad_s2",
                                                                          "time_s"};
   return kNames;
 }

@@ -19,7 +19,9 @@ enum Feature : int {
   kActivation = kEmgTorque + kMaxJoints,
   kObserver = kActivation + kMaxEmgChannels,
   kObserverFiltered = kObserver + kMaxJoints,
-  kTime = kObserverFiltered + kMaxJoints,
+  kObserverTorque = kObserverFiltered + kMaxJoints,  ///< the filtered estimate as joint torque
+  kAcceleration = kObserverTorque + kMaxJoints,      ///< f + I⁻¹ τ + the filtered estimate
+  kTime = kAcceleration + kMaxJoints,
   kFeatureCount
 };
 

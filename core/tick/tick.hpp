@@ -10,15 +10,12 @@
 #include "core/control/reference_trajectory.hpp"
 #include "core/emg/emg_chain.hpp"
 #include "core/emg/emg_torque_map.hpp"
-#include "core/estimation/observer.hpp"
-#include "core/estimation/velocity_estimator.hpp"
 #include "core/measurement.hpp"
-#include "core/model/dynamics_model.hpp"
 #include "core/network/attention_lstm.hpp"
 #include "core/safety/safety_limiter.hpp"
 #include "core/safety/state_machine.hpp"
-#include "core/signal/biquad.hpp"
 #include "core/tick/features.hpp"
+#include "core/tick/front_end.hpp"
 
 namespace patella::tick {
 
@@ -34,6 +31,9 @@ struct TickSettings {
   /// over the step between them. Otherwise it is the torque that was held over the step.
   bool drive_torque_sampled = false;
   CompensationSource compensation = CompensationSource::kSampler;
+  /// Encoder samples from one step of the network to the next; between them its output is held. What it adds
+  /// to the observer's estimate, it adds to that of every sample.
+  int network_stride = 1;
   emg::EmgSettings emg;
   emg::EmgGains emg_gain_Nm{};
   control::ControlGains gains;
@@ -86,41 +86,35 @@ class Tick {
   /// What the next step can have ready before its measurement arrives; to be called once the command is sent.
   void prepareNext() noexcept PATELLA_NONBLOCKING;
 
-  int joints() const noexcept { return model_.joints(); }
+  int joints() const noexcept { return front_.joints(); }
 
  private:
   void estimate(const TickInput& input) noexcept;
-  void estimateNetwork(const TickInput& input) noexcept;
+  void estimateNetwork(int encoder_steps) noexcept;
   void demand(const TickInput& input) noexcept;
   void decide(const TickInput& input) noexcept;
-  void seed() noexcept;
-  estimation::ObserverInput observerInput(double dt_s) const noexcept;
+  void restart() noexcept;
+  void forget() noexcept;
+  void takeEstimates() noexcept;
 
   TickSettings settings_;
-  model::DynamicsModel model_;
-  std::unique_ptr<estimation::Observer> observer_;
+  FrontEnd front_;
   std::unique_ptr<network::AttentionLstm> network_;
   FeatureSelection features_;
   network::OutputKind network_output_;
-  estimation::VelocityEstimator velocity_;
-  std::vector<signal::BiquadCascade> estimate_filter_;
   emg::EmgChain emg_;
-  emg::EmgTorqueMap emg_torque_;
   control::ControlLaw control_;
   control::ReferenceTrajectory reference_;
   safety::SafetyLimiter limiter_;
   safety::StateMachine states_;
 
   TickOutput output_;
-  model::EffectInput effect_input_;
-  bool has_velocity_ = false;  ///< effect_input_.dq was measured
-  model::ModelTerms terms_;
   FeatureVector feature_values_{};
   std::vector<double> network_input_;
+  JointVector network_value_;   ///< of the network's newest step
+  int samples_to_network_ = 1;  ///< until its next one
   JointVector last_command_Nm_;
-  JointVector previous_torque_Nm_;  ///< applied at the sample before
   double active_since_s_ = 0.0;
-  bool seeded_ = false;  ///< estimators have seen a first sample
 };
 
 }  // namespace patella::tick

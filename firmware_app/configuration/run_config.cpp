@@ -111,8 +111,9 @@ auto located(const std::filesystem::path& path, Make&& make) {
   }
 }
 
-// A network speaks of the steps that it was trained with; another rate would be another network.
-void checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& config) {
+// A network speaks of the steps that it was trained with; another rate would be another network. It may take
+// every second, third … sample: returns which.
+int checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& config) {
   constexpr double kRateTolerance = 1e-6;
   tick::selectFeatures(weights.features);
   const auto outputs = static_cast<int>(weights.output_weight.rows());
@@ -121,11 +122,14 @@ void checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& c
                                 std::to_string(config.model.joints()) + ", one for each joint of the model");
   }
   const double rate_Hz = 1.0 / config.bus.map.encoder_period_s;
-  if (std::abs(weights.rate_Hz - rate_Hz) > kRateTolerance * rate_Hz) {
+  const double stride = std::round(rate_Hz / weights.rate_Hz);
+  if (!(stride >= 1.0) || std::abs(weights.rate_Hz * stride - rate_Hz) > kRateTolerance * rate_Hz) {
     throw std::invalid_argument("rate_Hz: " + formatNumber(weights.rate_Hz) + ", expected " +
-                                formatNumber(rate_Hz) + " as the encoder has (encoder_period_s of " +
+                                formatNumber(rate_Hz) +
+                                " as the encoder has, or a whole part of it (encoder_period_s of " +
                                 config.bus_map_path.string() + ")");
   }
+  return static_cast<int>(stride);
 }
 
 }  // namespace
@@ -224,8 +228,10 @@ can::CommandEncoder makeEncoder(const RunConfig& config) {
 }
 
 std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
+  tick::TickSettings settings = config.tick;
   if (config.weights) {
-    located(config.weights_path, [&] { checkNetworkFits(*config.weights, config); });
+    settings.network_stride =
+        located(config.weights_path, [&] { return checkNetworkFits(*config.weights, config); });
   }
   return located(config.path, [&] {
     std::unique_ptr<network::AttentionLstm> network;
@@ -239,7 +245,7 @@ std::unique_ptr<tick::Tick> makeTick(const RunConfig& config) {
       features = config.weights->features;
       output = config.weights->output;
     }
-    return std::make_unique<tick::Tick>(config.tick, makeModel(config.model),
+    return std::make_unique<tick::Tick>(settings, makeModel(config.model),
                                         makeObserver(config.observer, config.model.joints()),
                                         std::move(network), features, output);
   });

@@ -9,9 +9,8 @@ using namespace patella::tick;
 
 namespace {
 
-/// A network that says the same whatever it sees.
-Network constantNetwork(const JointVector& value, network::OutputKind output,
-                        std::vector<std::string> features = {"q1_rad", "q2_rad"}) {
+/// Of a network that says the same whatever it sees.
+network::NetworkWeights constantWeights(const JointVector& value, const std::vector<std::string>& features) {
   network::NetworkWeights weights;
   weights.lstm.resize(1);
   weights.heads = 1;
@@ -26,7 +25,28 @@ Network constantNetwork(const JointVector& value, network::OutputKind output,
                [](const std::string&, auto& tensor, Eigen::Index rows, Eigen::Index cols) {
                  tensor = std::decay_t<decltype(tensor)>::Zero(rows, cols);
                });
-  return {std::make_unique<network::AttentionLstm>(weights), std::move(features), output};
+  return weights;
+}
+
+Network networkOf(const network::NetworkWeights& weights, network::OutputKind output) {
+  return {std::make_unique<network::AttentionLstm>(weights), weights.features, output};
+}
+
+Network constantNetwork(const JointVector& value, network::OutputKind output,
+                        const std::vector<std::string>& features = {"q1_rad", "q2_rad"}) {
+  return networkOf(constantWeights(value, features), output);
+}
+
+/// Its output grows with every step it takes, whatever it sees.
+Network countingNetwork(network::OutputKind output) {
+  network::NetworkWeights weights = constantWeights(pair(0.0, 0.0), {"q1_rad", "q2_rad"});
+  weights.window = 1;
+  weights.lstm[0].bias_ih << 9, 9, 9, 9, 9, 9, 9, 9, 0.1F, 0.1F, 0.1F, 0.1F, 9, 9, 9, 9;  // i, f, g, o
+  weights.fc_weight.setIdentity();
+  weights.in_proj_weight.bottomRows(4).setIdentity();
+  weights.out_proj_weight.setIdentity();
+  weights.output_weight.setIdentity();
+  return networkOf(weights, output);
 }
 
 TickSettings compensating() {
@@ -87,4 +107,23 @@ TEST_CASE("a network that does not fit is refused by what does not fit") {
       doctest::Contains("feature 'knee_angle' of the network is unknown"), std::invalid_argument);
   CHECK_THROWS_WITH_AS((void)SimulatedLeg(compensating()), "compensation by the network needs a network",
                        std::invalid_argument);
+}
+
+TEST_CASE("a network of a lower rate takes every few samples, and corrects every estimate between them") {
+  TickSettings settings = holdingSettings();
+  settings.network_stride = 4;
+  const sim::InteractionOptions patient{.kind = sim::InteractionKind::kExperiment2};
+  SimulatedLeg slow(settings, patient, countingNetwork(network::OutputKind::kAccelerationCorrection));
+  JointVector before = pair(-1.0, -1.0);
+  std::vector<int> changed;
+  for (int tick = 0; tick < 13; ++tick) {
+    const TickOutput& output = slow.step();
+    REQUIRE(output.has_network);
+    const JointVector value = output.f_network - output.f_s_filtered;
+    if ((value - before).norm() > 1e-6) {
+      changed.push_back(tick);
+    }
+    before = value;
+  }
+  CHECK(changed == std::vector<int>{0, 4, 8, 12});
 }
