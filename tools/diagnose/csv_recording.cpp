@@ -69,6 +69,19 @@ void numberLines(RawRecording& recording) {
   }
 }
 
+/// A velocity is of use only where every position has one; a row is not lost for the want of it.
+void dropIncompleteVelocity(RawRecording& recording) {
+  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
+    const std::vector<double>& velocity = recording.velocity_rad_s[j];
+    for (std::size_t row = 0; row < velocity.size(); ++row) {
+      if (std::isnan(velocity[row]) && !std::isnan(recording.position_rad[j][row])) {
+        recording.velocity_rad_s = {};
+        return;
+      }
+    }
+  }
+}
+
 /// Named signals of a table; `extra` columns are read for the caller.
 CsvTable readSignals(std::string_view text, RawRecording& recording,
                      std::initializer_list<const char*> extra) {
@@ -77,7 +90,14 @@ CsvTable readSignals(std::string_view text, RawRecording& recording,
   requireJoints(columns, recording.name, recording.joints);
   std::array<std::string, kMaxJoints> commanded;
   columns.want("t_s");
+  bool has_velocity = true;
   for (std::size_t j = 0; j < joints; ++j) {
+    has_velocity = has_velocity && columns.has(numbered("dq", j, "_rad_s"));
+  }
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (has_velocity) {
+      columns.want(numbered("dq", j, "_rad_s"));
+    }
     columns.want(numbered("q", j, "_rad"));
     columns.want(numbered("tau", j, "_Nm"));
     commanded[j] = columns.firstOf({numbered("tau_cmd", j, "_Nm"), numbered("tau", j, "_cmd_Nm")});
@@ -107,7 +127,11 @@ CsvTable readSignals(std::string_view text, RawRecording& recording,
     if (!commanded[j].empty()) {
       recording.commanded_Nm[j] = copyOf(table, commanded[j]);
     }
+    if (has_velocity) {
+      recording.velocity_rad_s[j] = copyOf(table, numbered("dq", j, "_rad_s"));
+    }
   }
+  dropIncompleteVelocity(recording);
   for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
     if (!emg[c].empty()) {
       (has_activation ? recording.activation : recording.emg_mV)[c] = copyOf(table, emg[c]);

@@ -145,6 +145,9 @@ class LogReading {
       const auto joint = static_cast<Eigen::Index>(j);
       recording_.position_rad[j].push_back(m.position_rad[joint]);
       recording_.torque_Nm[j].push_back(m.drive_torque_Nm[joint]);
+      if (m.has_velocity) {
+        recording_.velocity_rad_s[j].push_back(m.velocity_rad_s[joint]);
+      }
     }
     for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
       recording_.emg_mV[c].push_back(m.emg_mV[c]);

@@ -27,6 +27,7 @@ struct RawRecording {
   std::vector<std::size_t> line;
   /// As in Recording; a cell that held nothing is NaN.
   std::array<std::vector<double>, kMaxJoints> position_rad;
+  std::array<std::vector<double>, kMaxJoints> velocity_rad_s;
   std::array<std::vector<double>, kMaxJoints> torque_Nm;
   std::array<std::vector<double>, kMaxJoints> commanded_Nm;
   std::array<std::vector<double>, kMaxEmgChannels> activation;
@@ -45,6 +46,7 @@ struct RawRecording {
       }
     };
     group(recording.position_rad, "position of joint");
+    group(recording.velocity_rad_s, "velocity of joint");
     group(recording.torque_Nm, "torque of joint");
     group(recording.commanded_Nm, "commanded torque of joint");
     group(recording.activation, "activation of EMG channel");

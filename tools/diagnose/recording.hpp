@@ -34,6 +34,9 @@ struct Recording {
   bool is_static = false;
   std::vector<double> time_s;  ///< uniform in each segment: its first + i / rate
   std::array<std::vector<double>, kMaxJoints> position_rad;
+  /// As the loop had it, measured or derived; empty where the recording does not tell. Diagnosis derives its
+  /// own.
+  std::array<std::vector<double>, kMaxJoints> velocity_rad_s;
   std::array<std::vector<double>, kMaxJoints> torque_Nm;
   /// Commanded torque where the recording has it beside a measured one; empty otherwise.
   std::array<std::vector<double>, kMaxJoints> commanded_Nm;

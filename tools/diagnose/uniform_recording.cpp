@@ -418,6 +418,10 @@ Recording makeUniform(const RawRecording& recorded) {
     warnOfClipping(torque, j, recording.warnings);
     recording.position_rad[j] =
         joined(averaged(raw.position_rad[j], instants), stretches, Interpolation::kCubic);
+    if (!raw.velocity_rad_s[j].empty()) {
+      recording.velocity_rad_s[j] =
+          joined(averaged(raw.velocity_rad_s[j], instants), stretches, Interpolation::kCubic);
+    }
     recording.torque_Nm[j] = joined(torque, stretches, of_torque);
     if (!raw.commanded_Nm[j].empty()) {
       recording.commanded_Nm[j] =

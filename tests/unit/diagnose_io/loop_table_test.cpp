@@ -92,3 +92,12 @@ TEST_CASE("a table without motion is refused") {
   CHECK(test::refusal(csv(kHeader, 200, [](int i) { return tick(i, 0); })) ==
         "run.csv: 0 rows with an encoder sample, expected a recorded motion");
 }
+
+TEST_CASE("velocity is taken where every position has one, and no row is lost for it") {
+  const std::string header = std::string(kHeader) + ",dq1_rad_s";
+  const auto row = [](int i) { return tick(i) + "," + std::to_string(i); };
+  CHECK(loaded(csv(header, 200, row)).velocity_rad_s[0][50] == 50.0);
+  const Recording without = loaded(csv(header, 200, [&](int i) { return i == 70 ? tick(i) + "," : row(i); }));
+  CHECK(without.rows() == 199);
+  CHECK(without.velocity_rad_s[0].empty());
+}
