@@ -209,7 +209,8 @@ network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path) {
   return weights;
 }
 
-void saveNetworkWeights(const std::filesystem::path& path, const network::NetworkWeights& weights) {
+void saveNetworkWeights(const std::filesystem::path& path, const network::NetworkWeights& weights,
+                        const std::map<std::string, std::string>& remarks) {
   try {
     network::checkWeights(weights);
   } catch (const std::invalid_argument& error) {
@@ -226,6 +227,7 @@ void saveNetworkWeights(const std::filesystem::path& path, const network::Networ
                       {"heads", std::to_string(weights.heads)},
                       {"attention_scale", nameOf(weights.attention_scale, kAttentionScales)},
                       {"output", nameOf(weights.output, kOutputKinds)}};
+  content.metadata.insert(remarks.begin(), remarks.end());
   network::visitTensors(weights, network::shapeOf(weights),
                         [&](const std::string& name, const auto& tensor, Eigen::Index, Eigen::Index) {
                           Tensor& stored = content.tensors[name];

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "core/network/network_weights.hpp"
 
@@ -13,7 +15,9 @@ namespace patella::app {
 network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path);
 
 /// Throws FileError when the weights do not pass network::checkWeights or cannot be written; a
-/// file that was there before is then untouched.
-void saveNetworkWeights(const std::filesystem::path& path, const network::NetworkWeights& weights);
+/// file that was there before is then untouched. `remarks` is metadata beside what loading needs, for people
+/// and other programs.
+void saveNetworkWeights(const std::filesystem::path& path, const network::NetworkWeights& weights,
+                        const std::map<std::string, std::string>& remarks = {});
 
 }  // namespace patella::app

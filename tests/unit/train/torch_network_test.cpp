@@ -1,0 +1,63 @@
+// What is trained is what runs in the loop.
+#include "tools/train/torch_network.hpp"
+
+#include <doctest/doctest.h>
+
+#include "core/network/attention_lstm.hpp"
+#include "made_up.hpp"
+
+using namespace patella;
+using namespace patella::train;
+
+namespace {
+
+Rows streamed(const network::NetworkWeights& weights, const Rows& features) {
+  network::AttentionLstm network(weights);
+  Rows outputs(features.rows(), network.outputs());
+  for (Eigen::Index step = 0; step < features.rows(); ++step) {
+    const Eigen::VectorXd row = features.row(step);
+    outputs.row(step) = network.step({row.data(), static_cast<std::size_t>(row.size())}).transpose();
+    network.prepare();
+  }
+  return outputs;
+}
+
+void compare(const TrainingOptions& options) {
+  const std::vector<Sequence> sequences = madeUpSequences(4, 600);
+  const network::NetworkWeights weights = trainNetwork(sequences, madeUpFrame(sequences), options).weights;
+  const Rows whole = evaluate(TorchNetwork(weights), weights, sequences[0].features);
+  const Rows exact =
+      evaluate(TorchNetwork(weights, torch::kFloat64), weights, sequences[0].features, torch::kFloat64);
+  const Rows steps = streamed(weights, sequences[0].features);
+  CHECK((exact - steps).cwiseAbs().maxCoeff() < 1e-6);
+  CHECK((whole - steps).cwiseAbs().maxCoeff() < 2e-6);
+  CHECK(steps.col(0).maxCoeff() - steps.col(0).minCoeff() > 0.5);
+}
+
+}  // namespace
+
+TEST_CASE("the masked sequence of the training is the stream of the loop, on a trained network") {
+  TrainingOptions options = smallTraining();
+  compare(options);
+  options.window = 1;
+  compare(options);
+  options.window = 150;  // more than a sequence of the training
+  options.layers = 2;
+  options.attention_scale = network::AttentionScale::kNone;
+  compare(options);
+}
+
+TEST_CASE("initialisation is of the seed alone, within PyTorch's bounds") {
+  const std::vector<Sequence> sequences = madeUpSequences(4, 100);
+  network::NetworkWeights first = madeUpFrame(sequences);
+  network::NetworkWeights second = first;
+  const network::NetworkShape shape{.inputs = 2, .hidden = 16, .layers = 1, .channels = 8, .outputs = 1};
+  initialise(first, shape, 3);
+  initialise(second, shape, 3);
+  CHECK(first.lstm[0].weight_hh == second.lstm[0].weight_hh);
+  CHECK(first.lstm[0].weight_hh.cwiseAbs().maxCoeff() <= 0.25F);
+  CHECK(first.lstm[0].weight_hh.cwiseAbs().maxCoeff() > 0.24F);
+  CHECK(first.in_proj_bias.isZero());
+  initialise(second, shape, 4);
+  CHECK_FALSE(first.lstm[0].weight_hh == second.lstm[0].weight_hh);
+}

@@ -1,0 +1,157 @@
+#include "tools/train/arguments.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace patella::train {
+namespace {
+
+constexpr std::array<const char*, 4> kOutputs = {"acceleration", "torque", "acceleration_correction",
+                                                 "torque_correction"};
+
+template <typename Kind>
+Kind positionOf(const std::string& name, const std::vector<std::string>& names) {
+  return static_cast<Kind>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void declareInput(CLI::App& app, Arguments& a) {
+  app.add_option("--config", a.config,
+                 "configuration of the loop that will run the network: model, observer, filters, bus")
+      ->required();
+  app.add_option("--columns", a.recording.columns,
+                 "map of the columns of a CSV that names them its own way, TOML");
+  app.add_option("--dbc", a.recording.dbc,
+                 "bus description of logs of frames, in place of the configuration's");
+  app.add_option(
+         "--torque", a.torque_timing,
+         "held: until the next sample; sampled: what acted at the sample; as the form of the file says "
+         "unless given")
+      ->check(CLI::IsMember({"held", "sampled"}));
+}
+
+void declareTask(CLI::App& app, Arguments& a) {
+  app.add_option("--features", a.features,
+                 "paper (angles, velocities, time), deployable (no time), or names separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option(
+         "--output", a.output,
+         "what the network says; a correction is added to the observer. Unless given: acceleration for "
+         "features paper, torque_correction otherwise")
+      ->check(CLI::IsMember(std::vector<std::string>(kOutputs.begin(), kOutputs.end())));
+  app.add_option("--target", a.target,
+                 "what is taken for the truth: the observer's f_s raw, filtered or smoothed offline")
+      ->check(CLI::IsMember(targetNames()))
+      ->capture_default_str();
+  app.add_option(
+         "--smoothing-Hz", a.smoothing_Hz,
+         "cutoff of the smoothed target where the observer is no Kalman filter; estimate_cutoff_Hz of the "
+         "configuration unless given")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--horizon-ms", a.horizon_ms, "how far the network looks ahead")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--rate-Hz", a.rate_Hz, "steps of the network a second, a whole part of the encoder's rate")
+      ->check(CLI::Range(1.0, 20000.0))
+      ->capture_default_str();
+}
+
+void declareSplit(CLI::App& app, Arguments& a) {
+  app.add_option(
+         "--split", a.split_name,
+         "random: single steps by lot, as the paper; blocked; chronological; recording: whole ones by lot")
+      ->check(CLI::IsMember(splitNames()))
+      ->capture_default_str();
+  app.add_option("--validation-share", a.split.validation_share)
+      ->check(CLI::Range(0.0, 0.8))
+      ->capture_default_str();
+  app.add_option("--test-share", a.split.test_share)->check(CLI::Range(0.0, 0.8))->capture_default_str();
+  app.add_option("--block-s", a.split.block_s, "length of the blocks of the split of that name")
+      ->check(CLI::Range(0.01, 1e4))
+      ->capture_default_str();
+  app.add_option("--validation-data", a.validation_data, "recordings in place of a share for validation");
+  app.add_option("--test-data", a.test_data, "recordings in place of a share for the test");
+}
+
+void declareNetwork(CLI::App& app, TrainingOptions& t, std::string& attention_scale) {
+  app.add_option("--layers", t.layers, "of the LSTM, 1 or 2")->capture_default_str();
+  app.add_option("--hidden", t.hidden, "width of each")->capture_default_str();
+  app.add_option("--channels", t.channels, "of queries, keys and values together")->capture_default_str();
+  app.add_option("--heads", t.heads, "a divisor of the channels")->capture_default_str();
+  app.add_option("--window", t.window, "steps that attention sees; 1: no attention")->capture_default_str();
+  app.add_option("--attention-scale", attention_scale,
+                 "of the scores: 1/sqrt(channels/heads), or none as printed")
+      ->check(CLI::IsMember({"inv_sqrt", "none"}))
+      ->capture_default_str();
+}
+
+void declareTraining(CLI::App& app, Arguments& a) {
+  TrainingOptions& t = a.training;
+  app.add_option("--stopping", a.stopping,
+                 "none; paper: loss changed by less than 0.1 % in five epochs; validation: no better one for "
+                 "--patience epochs, the best kept")
+      ->check(CLI::IsMember(stoppingNames()))
+      ->capture_default_str();
+  app.add_option("--loss", a.loss)->check(CLI::IsMember({"squared", "absolute"}))->capture_default_str();
+  app.add_option("--patience", t.patience)->capture_default_str();
+  app.add_option("--epochs", t.epochs, "at most")->capture_default_str();
+  app.add_option("--batch", t.batch, "pieces in one step of the optimiser")->capture_default_str();
+  app.add_option("--sequence-steps", t.sequence_steps, "of a piece, through which errors are propagated back")
+      ->capture_default_str();
+  app.add_option("--burn-in", t.burn_in, "first of them, which only fill the memory")->capture_default_str();
+  app.add_option("--learning-rate", t.learning_rate)->capture_default_str();
+  app.add_option("--weight-decay", t.weight_decay)->capture_default_str();
+  app.add_option("--seed", t.seed, "of everything that is drawn by lot")->capture_default_str();
+  app.add_option("--threads", t.threads, "the same number gives the same file")->capture_default_str();
+}
+
+}  // namespace
+
+void declareFit(CLI::App& app, Arguments& a) {
+  declareInput(app, a);
+  app.add_option("--data", a.data, "run folders of the loop, CSV files or logs of frames")->required();
+  app.add_option("--out", a.weights, "weights file for the loop; OUT.checkpoint beside it while it grows")
+      ->required();
+  app.add_option("--curves", a.curves, "picture of the losses, PNG; OUT with that ending unless given");
+  declareTask(app, a);
+  declareSplit(app, a);
+  declareNetwork(app, a.training, a.attention_scale);
+  declareTraining(app, a);
+}
+
+void declareScore(CLI::App& app, Arguments& a) {
+  declareInput(app, a);
+  app.add_option("--weights", a.weights, "made by patella-train")->required();
+  app.add_option("--data", a.data, "recordings that it was not trained on")->required();
+  app.add_option("--target", a.target, "what is taken for the truth")
+      ->check(CLI::IsMember(targetNames()))
+      ->capture_default_str();
+  app.add_option("--smoothing-Hz", a.smoothing_Hz, "as of fit")->check(CLI::PositiveNumber);
+}
+
+void understand(Arguments& a) {
+  if (!a.torque_timing.empty()) {
+    a.recording.torque_timing =
+        a.torque_timing == "held" ? diagnose::TorqueTiming::kHeld : diagnose::TorqueTiming::kSampled;
+  }
+  a.split.kind = positionOf<SplitKind>(a.split_name, splitNames());
+  a.split.seed = a.training.seed;
+  a.split.gap_s = a.training.window / a.rate_Hz;
+  a.split.validation_share = a.validation_data.empty() ? a.split.validation_share : 0.0;
+  a.split.test_share = a.test_data.empty() ? a.split.test_share : 0.0;
+  a.training.stopping = positionOf<Stopping>(a.stopping, stoppingNames());
+  a.training.loss = a.loss == "squared" ? Loss::kSquared : Loss::kAbsolute;
+  a.training.attention_scale =
+      a.attention_scale == "none" ? network::AttentionScale::kNone : network::AttentionScale::kInvSqrt;
+  checked(a.training);
+}
+
+network::OutputKind outputOf(const Arguments& a) {
+  const std::string name = !a.output.empty()                                 ? a.output
+                           : a.features == std::vector<std::string>{"paper"} ? "acceleration"
+                                                                             : "torque_correction";
+  return static_cast<network::OutputKind>(std::find(kOutputs.begin(), kOutputs.end(), name) -
+                                          kOutputs.begin());
+}
+
+}  // namespace patella::train

@@ -1,0 +1,17 @@
+// The commands of patella-train.
+#pragma once
+
+#include <iosfwd>
+
+#include "tools/train/arguments.hpp"
+
+namespace patella::train {
+
+/// Trains and writes weights with their model card and the learning curves. Progress goes to standard error.
+/// Throws std::invalid_argument or app::FileError.
+void fit(Arguments& arguments, std::ostream& out);
+
+/// Scores weights on recordings; refuses those that training has seen. Throws likewise.
+void score(Arguments& arguments, std::ostream& out);
+
+}  // namespace patella::train

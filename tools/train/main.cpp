@@ -1,0 +1,35 @@
+// patella-train: a network for the loop, from its recordings.
+#include <exception>
+#include <iostream>
+
+#include "tools/train/commands.hpp"
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  using namespace patella::train;
+  CLI::App app("Trains the network that the loop loads, from recordings, and tells how good it is on others.",
+               "patella-train");
+  app.set_version_flag("--version", std::string("patella-train ") + PATELLA_VERSION);
+  app.require_subcommand(1);
+  Arguments fit_arguments;
+  Arguments score_arguments;
+  CLI::App& fit_command = *app.add_subcommand("fit", "Train, and score what was held out.");
+  CLI::App& score_command = *app.add_subcommand("score", "Score a network on recordings it has not seen.");
+  declareFit(fit_command, fit_arguments);
+  declareScore(score_command, score_arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    if (fit_command.parsed()) {
+      fit(fit_arguments, std::cout);
+    } else {
+      score(score_arguments, std::cout);
+    }
+  } catch (const std::exception& error) {
+    std::cerr << "patella-train: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
