@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/train/early_stopping.hpp"
+#include "tools/train/split.hpp"
 #include "tools/train/torch_checkpoint.hpp"
 #include "tools/train/torch_network.hpp"
 #include "tools/train/windows.hpp"
@@ -18,10 +19,10 @@ constexpr double kLastRate = 0.01;  // of the first
 
 /// A sequence as the network works on it.
 struct Prepared {
-  torch::Tensor input;   ///< steps x features, normalised
-  torch::Tensor target;  ///< steps x outputs, normalised
-  torch::Tensor train;   ///< steps, 1 where it is trained on
-  torch::Tensor validate;
+  torch::Tensor input;     ///< steps x features, normalised
+  torch::Tensor target;    ///< steps x outputs, normalised
+  torch::Tensor train;     ///< steps, 1 where it is trained on
+  torch::Tensor validate;  ///< likewise
 };
 
 struct Batch {
@@ -51,6 +52,13 @@ class Training {
                            normalised(targetOf(sequence, frame.output), of_target),
                            maskOf(sequence.role, Role::kTrain), maskOf(sequence.role, Role::kValidation)});
     }
+    std::vector<Window> whole;
+    for (std::size_t s = 0; s < sequences.size(); ++s) {
+      if (countOf(sequences.subspan(s, 1), Role::kValidation) > 0) {
+        whole.push_back({.sequence = s, .begin = 0, .count = sequences[s].steps(), .burn_in = 0});
+      }
+    }
+    validation_ = batchOf(whole, &Prepared::validate);
   }
 
   TrainingState start() {
@@ -72,7 +80,8 @@ class Training {
     double loss_sum = 0.0;
     double weight_sum = 0.0;
     for (std::size_t first = 0; first < windows.size(); first += size) {
-      const Batch batch = batchOf(std::span(windows).subspan(first, std::min(size, windows.size() - first)));
+      const auto drawn = std::span(windows).subspan(first, std::min(size, windows.size() - first));
+      const Batch batch = batchOf(drawn, &Prepared::train);
       const double weight = batch.weight.sum().item<double>();
       const torch::Tensor loss = lossOf(network_.forward(batch.input), batch.target, batch.weight) / weight;
       loss.backward();
@@ -115,7 +124,7 @@ class Training {
     return options_.learning_rate * (kLastRate + (1.0 - kLastRate) * half_cosine);
   }
 
-  Batch batchOf(std::span<const Window> windows) const {
+  Batch batchOf(std::span<const Window> windows, torch::Tensor Prepared::*mask) const {
     Eigen::Index longest = 0;
     for (const Window& window : windows) {
       longest = std::max(longest, window.count);
@@ -131,7 +140,7 @@ class Training {
       batch.target[i].slice(0, 0, window.count).copy_(from.target.slice(0, window.begin, end));
       batch.weight[i]
           .slice(0, window.burn_in, window.count)
-          .copy_(from.train.slice(0, window.begin + window.burn_in, end));
+          .copy_((from.*mask).slice(0, window.begin + window.burn_in, end));
     }
     return batch;
   }
@@ -143,19 +152,15 @@ class Training {
     return ((options_.loss == Loss::kSquared ? error.square() : error.abs()).mean(-1) * weight).sum();
   }
 
+  /// Over whole sequences, as the loop would run them, all side by side.
   double validationLoss() const {
     const torch::NoGradGuard no_gradients;
-    double sum = 0.0;
-    double count = 0.0;
-    for (const Prepared& sequence : prepared_) {
-      const double steps = sequence.validate.sum().item<double>();
-      if (steps > 0.0) {
-        const torch::Tensor output = network_.forward(sequence.input.unsqueeze(0)).squeeze(0);
-        sum += lossOf(output, sequence.target, sequence.validate).item<double>();
-        count += steps;
-      }
+    if (validation_.weight.numel() == 0) {
+      return std::numeric_limits<double>::quiet_NaN();
     }
-    return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+    const torch::Tensor loss =
+        lossOf(network_.forward(validation_.input), validation_.target, validation_.weight);
+    return loss.item<double>() / validation_.weight.sum().item<double>();
   }
 
   std::span<const Sequence> sequences_;
@@ -163,6 +168,7 @@ class Training {
   TrainingOptions options_;
   TorchNetwork network_;
   std::vector<Prepared> prepared_;
+  Batch validation_;
 };
 
 void keep(TrainingState& state) {

@@ -35,7 +35,7 @@ Recording recordPaper(const Condition& condition, double seconds, std::uint64_t 
   options.velocity_noise_sd_rad_s = kStateNoise;
   options.position_noise_sd_rad = condition.noise == Noise::kBothStates ? kStateNoise : 0.0;
   auto encoder = encoders(options, seed);
-  Recording recording{.condition = condition, .samples = {}};
+  Recording recording{.condition = condition, .samples = {}, .known = {}};
   for (const Sample& sample : runPaperExperiment(condition.experiment, kRate_Hz, seconds, seed)) {
     RecordedSample out{sample.q, sample.dq, sample.torque_Nm, sample.f_u};
     for (std::size_t joint = 0; joint < encoder.size(); ++joint) {
@@ -63,7 +63,7 @@ Recording recordPhysical(const Condition& condition, double seconds, std::uint64
   options.bits_per_turn = kEncoderBits;
   auto encoder = encoders(options, seed);
 
-  Recording recording{.condition = condition, .samples = {}};
+  Recording recording{.condition = condition, .samples = {}, .known = {}};
   const auto steps = static_cast<std::size_t>(std::llround(seconds * kRate_Hz));
   JointVector commanded = JointVector::Zero(2);
   for (std::size_t k = 0; k <= steps; ++k) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -50,6 +51,8 @@ struct RecordedSample {
 struct Recording {
   Condition condition;
   std::vector<RecordedSample> samples;  ///< at kRate_Hz
+  /// The model that the observers are given; empty: knownModel() of the condition.
+  std::function<model::DynamicsModel()> known{};
 };
 
 /// The model that the observers are given in a condition; it is right but for the patient.

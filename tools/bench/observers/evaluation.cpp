@@ -21,7 +21,7 @@ class Inputs {
  public:
   Inputs(const Method& method, std::span<const double> values, const Recording& recording)
       : recording_(recording),
-        model_(knownModel(recording.condition.noise)),
+        model_(recording.known ? recording.known() : knownModel(recording.condition.noise)),
         velocity_(method.needs_velocity && recording.condition.encoderOnly() ? values.back()
                                                                              : kDefaultCutoff_Hz) {}
 

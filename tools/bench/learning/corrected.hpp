@@ -1,0 +1,50 @@
+// A network on top of an observer: what it is trained on, and what comes out at the encoder's rate.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/bench/observers/evaluation.hpp"
+#include "tools/bench/observers/methods.hpp"
+#include "tools/train/preparation.hpp"
+#include "tools/train/trainer.hpp"
+
+namespace patella::bench {
+
+/// An observer with its numbers.
+struct Tuned {
+  const Method* method = nullptr;
+  std::vector<double> values;
+};
+
+/// A recording behind the loop's front end with that observer, and the truth as f_u of the loop's model.
+struct ObservedRun {
+  train::Observed observed;
+  train::Rows truth;  ///< rad/s²
+};
+
+ObservedRun observeRun(const Recording& recording, const Tuned& observer);
+
+/// Sequence of a run in which every step but the first and the last second has the role.
+train::Sequence sequenceOf(const ObservedRun& run, const train::PreparationOptions& options, train::Role role,
+                           const std::string& name);
+
+/// Estimates beside truth, joint by joint, N·m, at every encoder sample after settling.
+using Delivered = Trace;
+
+/// The observer alone, held for the horizon.
+Delivered deliverObserver(const ObservedRun& run, double horizon_s);
+/// One step of something that learned: features in physical units in, joint torques out.
+using Step = std::function<JointVector(std::span<const double>)>;
+/// As the loop delivers it: a step every 1 / options.rate_Hz, its output held, and added to the observer's
+/// newest estimate where it is a correction.
+Delivered deliverSteps(const ObservedRun& run, const train::PreparationOptions& options, const Step& step);
+Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
+                         const network::NetworkWeights& weights);
+
+/// Appends one trace to another.
+void append(Delivered& all, const Delivered& more);
+
+}  // namespace patella::bench

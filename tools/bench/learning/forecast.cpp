@@ -1,0 +1,54 @@
+#include "tools/bench/learning/forecast.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "core/estimation/kalman_observer.hpp"
+
+namespace patella::bench {
+
+Delivered predictConstantRate(const Recording& recording, const ObservedRun& run, const Tuned& observer,
+                              double horizon_s) {
+  const auto made = observer.method->make(recording.condition, observer.values);
+  auto* filter = dynamic_cast<estimation::KalmanObserver*>(made.get());
+  if (filter == nullptr || filter->layout().rates == 0) {
+    throw std::invalid_argument(observer.method->name +
+                                " has no rate to predict with, expected a Kalman filter "
+                                "of constant rate");
+  }
+  const model::DynamicsModel model = recording.known();
+  const auto settling = static_cast<std::size_t>(kSettling_s * kRate_Hz);
+  const auto ahead = static_cast<std::size_t>(std::llround(horizon_s * kRate_Hz));
+  Delivered trace;
+  for (std::size_t k = 0; k + std::max(settling, ahead) < run.observed.inputs.size(); ++k) {
+    estimation::ObserverInput input = run.observed.inputs[k];
+    input.model = &model;
+    if (k == 0) {
+      filter->reset(input);
+      continue;
+    }
+    filter->update(input);
+    if (k < settling) {
+      continue;
+    }
+    const estimation::KalmanLayout& layout = filter->layout();
+    const int n = layout.joints;
+    estimation::KalmanVector state = filter->state();
+    const JointVector acceleration =
+        input.terms.f + input.terms.inverse_inertia * input.torque_Nm + filter->unknownDynamics(state, input);
+    state.head(n) += horizon_s * state.segment(n, n) + 0.5 * horizon_s * horizon_s * acceleration;
+    state.segment(n, n) += horizon_s * acceleration;
+    state.segment(layout.w(), layout.unknowns) += horizon_s * state.segment(layout.rate(), layout.rates);
+    const JointVector posture = state.head(n);
+    const JointVector d_Nm = model.mechanism().inertia(posture) * filter->unknownDynamics(state, input);
+    const JointVector truth = run.observed.inputs[k + ahead].terms.inertia *
+                              JointVector(run.truth.row(static_cast<Eigen::Index>(k + ahead)).transpose());
+    for (std::size_t joint = 0; joint < 2; ++joint) {
+      trace.estimate[joint].push_back(d_Nm[static_cast<Eigen::Index>(joint)]);
+      trace.truth[joint].push_back(truth[static_cast<Eigen::Index>(joint)]);
+    }
+  }
+  return trace;
+}
+
+}  // namespace patella::bench

@@ -1,0 +1,183 @@
+#include "tools/bench/learning/leg_study.hpp"
+
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "tools/bench/learning/forecast.hpp"
+#include "tools/bench/learning/linear_history.hpp"
+#include "tools/train/preparation.hpp"
+
+namespace patella::bench {
+namespace {
+
+using train::PreparationOptions;
+using train::Role;
+using train::Sequence;
+
+constexpr std::uint64_t kSeedSpan = 10000;
+constexpr std::uint64_t kValidationFrom = 3000;
+constexpr std::uint64_t kTestFrom = 6000;
+
+/// The one with the smallest mean error, summed over joints and runs, each tuned on these runs.
+Tuned bestObserver(const std::vector<Recording>& runs) {
+  Tuned best;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Method& method : methods()) {
+    if (method.kind != Method::Kind::kCausal || !method.takes_encoder_only) {
+      continue;
+    }
+    const std::vector<double> values = tune(method, runs);
+    double sum = 0.0;
+    for (const Recording& run : runs) {
+      const auto error = meanError(follow(method, values, run));
+      sum += error[0] + error[1];
+    }
+    if (sum < lowest) {
+      lowest = sum;
+      best = {&method, values};
+    }
+  }
+  return best;
+}
+
+std::vector<ObservedRun> observeAll(const std::vector<Recording>& recordings, const Tuned& observer) {
+  std::vector<ObservedRun> runs;
+  for (const Recording& recording : recordings) {
+    runs.push_back(observeRun(recording, observer));
+  }
+  return runs;
+}
+
+/// One condition and seed.
+class Trial {
+ public:
+  Trial(const LegStudyOptions& options, const ModelError& error, std::uint64_t seed, const Tuned& observer,
+        std::vector<LegResult>& results, const std::function<void(const LegResult&)>& done)
+      : options_(options), error_(error), seed_(seed), observer_(observer), results_(results), done_(done) {
+    LegRunOptions run{.seconds = options.seconds, .error = error, .passive = options.passive};
+    const std::uint64_t first = kSeedSpan * seed;
+    training_ = observeAll(recordLegs(run, first, options.training_runs), observer);
+    validation_ = observeAll(recordLegs(run, first + kValidationFrom, options.validation_runs), observer);
+    run.passive = false;
+    test_recordings_ = recordLegs(run, first + kTestFrom, options.test_runs);
+    test_ = observeAll(test_recordings_, observer);
+  }
+
+  void run(double horizon_s) {
+    report(observer_.method->name, horizon_s,
+           [&](std::size_t i) { return deliverObserver(test_[i], horizon_s); });
+    if (horizon_s > 0.0) {
+      report("constant rate", horizon_s, [&](std::size_t i) {
+        return predictConstantRate(test_recordings_[i], test_[i], observer_, horizon_s);
+      });
+    }
+    PreparationOptions preparation{.features = train::deployableFeatures(2, false),
+                                   .output = network::OutputKind::kTorqueCorrection,
+                                   .rate_Hz = options_.rate_Hz,
+                                   .horizon_s = horizon_s};
+    reportNetwork("network", preparation, options_.training);
+    if (options_.ablations) {
+      train::TrainingOptions training = options_.training;
+      training.window = 1;
+      reportNetwork("without attention", preparation, training);
+      reportLinear(preparation);
+      preparation.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "tau1_Nm", "tau2_Nm"};
+      preparation.output = network::OutputKind::kTorque;
+      reportNetwork("without the observer", preparation, options_.training);
+    }
+  }
+
+ private:
+  std::vector<Sequence> sequences(const PreparationOptions& preparation) const {
+    std::vector<Sequence> all;
+    for (const ObservedRun& run : training_) {
+      all.push_back(sequenceOf(run, preparation, Role::kTrain, fmt::format("training {}", all.size())));
+    }
+    for (const ObservedRun& run : validation_) {
+      all.push_back(
+          sequenceOf(run, preparation, Role::kValidation, fmt::format("validation {}", all.size())));
+    }
+    return all;
+  }
+
+  void reportNetwork(const std::string& name, const PreparationOptions& preparation,
+                     train::TrainingOptions training) {
+    training.seed = seed_;
+    const std::vector<Sequence> all = sequences(preparation);
+    const train::Trained trained =
+        trainNetwork(all, frameOf(all, preparation.features, preparation.output), training);
+    report(name, preparation.horizon_s,
+           [&](std::size_t i) { return deliverNetwork(test_[i], preparation, trained.weights); });
+  }
+
+  void reportLinear(const PreparationOptions& preparation) {
+    const std::vector<Sequence> all = sequences(preparation);
+    LinearHistory linear(all, frameOf(all, preparation.features, preparation.output));
+    report("linear history", preparation.horizon_s, [&](std::size_t i) {
+      linear.reset();
+      return deliverSteps(test_[i], preparation,
+                          [&](std::span<const double> features) { return linear.step(features); });
+    });
+  }
+
+  template <typename Deliver>
+  void report(const std::string& estimator, double horizon_s, Deliver deliver) {
+    Delivered all;
+    for (std::size_t i = 0; i < test_.size(); ++i) {
+      append(all, deliver(i));
+    }
+    LegResult result{.condition = nameOf(error_),
+                     .estimator = estimator,
+                     .seed = seed_,
+                     .horizon_s = horizon_s,
+                     .error_Nm = meanError(all),
+                     .delay_s = delay_s(all)};
+    results_.push_back(result);
+    if (done_) {
+      done_(result);
+    }
+  }
+
+  const LegStudyOptions& options_;
+  ModelError error_;
+  std::uint64_t seed_;
+  const Tuned& observer_;
+  std::vector<LegResult>& results_;
+  const std::function<void(const LegResult&)>& done_;
+  std::vector<ObservedRun> training_;
+  std::vector<ObservedRun> validation_;
+  std::vector<Recording> test_recordings_;
+  std::vector<ObservedRun> test_;
+};
+
+}  // namespace
+
+std::string nameOf(const ModelError& error) {
+  std::string name = error.shank == 0.0 ? std::string("right model")
+                                        : fmt::format("shank {:g} % wrong", 100.0 * error.shank);
+  if (error.individual) {
+    name = fmt::format("shank up to ±{:g} % wrong, each patient his own", 100.0 * error.shank);
+  }
+  return error.friction ? (error.shank == 0.0 ? "undeclared friction" : name + ", undeclared friction")
+                        : name;
+}
+
+std::vector<LegResult> legStudy(const LegStudyOptions& options,
+                                const std::function<void(const LegResult&)>& done) {
+  std::vector<LegResult> results;
+  for (const ModelError& error : options.errors) {
+    const LegRunOptions run{.seconds = options.seconds, .error = error};
+    const Tuned observer = bestObserver(recordLegs(run, kSeedSpan, options.tuning_runs));
+    for (int seed = 1; seed <= options.seeds; ++seed) {
+      Trial trial(options, error, static_cast<std::uint64_t>(seed), observer, results, done);
+      for (const double horizon_s : options.horizons_s) {
+        trial.run(horizon_s);
+      }
+    }
+  }
+  return results;
+}
+
+}  // namespace patella::bench

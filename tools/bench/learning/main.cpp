@@ -1,0 +1,105 @@
+// patella-bench-learning: what a network adds to the best observer.
+#include <exception>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/bench/learning/leg_study.hpp"
+#include "tools/bench/learning/tables.hpp"
+
+namespace {
+
+using namespace patella::bench;
+
+constexpr const char* kLegs =
+    "Legs, motions and pushes that were never seen: the network on the best observer, against that observer.";
+
+struct LegArguments {
+  LegStudyOptions options;
+  std::vector<std::string> errors{"0"};
+  std::vector<double> horizons_ms{0.0};
+  bool individual = false;
+};
+
+void declare(CLI::App& app, LegArguments& a) {
+  LegStudyOptions& o = a.options;
+  app.add_option("--errors", a.errors, "of the shank's mass and inertia in percent, or friction")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_flag("--individual", a.individual, "each patient has his own error within those bounds");
+  app.add_option("--horizons-ms", a.horizons_ms, "how far ahead")->delimiter(',')->capture_default_str();
+  app.add_flag("--ablations", o.ablations, "besides: without attention, LSTM, the observer");
+  app.add_flag("--passive", o.passive, "train on runs in which nobody pushes");
+  app.add_option("--seeds", o.seeds)->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--runs", o.training_runs, "to train on, of each seed")
+      ->check(CLI::Range(3, 2000))
+      ->capture_default_str();
+  app.add_option("--test-runs", o.test_runs)->check(CLI::Range(1, 500))->capture_default_str();
+  app.add_option("--seconds", o.seconds, "length of a run")
+      ->check(CLI::Range(4.0, 600.0))
+      ->capture_default_str();
+  app.add_option("--rate-Hz", o.rate_Hz, "of the network")->capture_default_str();
+  app.add_option("--hidden", o.training.hidden)->capture_default_str();
+  app.add_option("--channels", o.training.channels)->capture_default_str();
+  app.add_option("--heads", o.training.heads)->capture_default_str();
+  app.add_option("--window", o.training.window)->capture_default_str();
+  app.add_option("--epochs", o.training.epochs)->capture_default_str();
+  app.add_option("--batch", o.training.batch)->capture_default_str();
+  app.add_option("--sequence-steps", o.training.sequence_steps)->capture_default_str();
+  app.add_option("--burn-in", o.training.burn_in)->capture_default_str();
+  app.add_option("--learning-rate", o.training.learning_rate)->capture_default_str();
+}
+
+void understand(LegArguments& a) {
+  for (const std::string& text : a.errors) {
+    if (text == "friction") {
+      a.options.errors.push_back({.friction = true});
+      continue;
+    }
+    double percent = 0.0;
+    if (!CLI::detail::lexical_cast(text, percent) || percent < 0.0 || percent > 90.0) {
+      throw std::invalid_argument("--errors: value '" + text +
+                                  "', expected percent from 0 to 90, or friction");
+    }
+    a.options.errors.push_back({.shank = 0.01 * percent, .individual = a.individual && percent > 0.0});
+  }
+  a.options.horizons_s.clear();
+  for (const double horizon_ms : a.horizons_ms) {
+    a.options.horizons_s.push_back(1e-3 * horizon_ms);
+  }
+  checked(a.options.training);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  CLI::App app("What a network adds to the best observer.", "patella-bench-learning");
+  app.require_subcommand(1);
+  LegArguments legs;
+  legs.options.training = {.hidden = 48,
+                           .channels = 32,
+                           .heads = 4,
+                           .window = 32,
+                           .loss = patella::train::Loss::kAbsolute,
+                           .epochs = 40,
+                           .sequence_steps = 160,
+                           .burn_in = 48,
+                           .learning_rate = 4e-3};
+  CLI::App& leg_command = *app.add_subcommand("legs", kLegs);
+  declare(leg_command, legs);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    understand(legs);
+    const auto results =
+        legStudy(legs.options, [](const LegResult& result) { std::cerr << line(result) << std::flush; });
+    std::cout << table(results);
+  } catch (const std::exception& error) {
+    std::cerr << "patella-bench-learning: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
