@@ -13,6 +13,7 @@
 #include "drivers/can/socketcan_bus.hpp"
 #include "drivers/clock/clock.hpp"
 #include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
 #include "sim/can_rig_runner.hpp"
 
@@ -38,6 +39,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("interface", interface, "can:INTERFACE, such as can:vcan0")->required();
   app.add_option("--duration", options.duration_s, "seconds; 0 runs until Ctrl-C")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--faults", line.faults,
+                 "script of faults, TOML: what goes wrong in the rig and on the bus");
   app.add_option("--seed", line.seed, "of noise, EMG and patient");
   try {
     app.parse(argc, argv);
@@ -55,9 +58,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     if (!interface.starts_with(kPrefix) || interface.size() == kPrefix.size()) {
       throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE, such as can:vcan0");
     }
+    line.only_rig = true;
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
     const auto rig = patella::app::makeRig(config);
-    patella::can::SocketCanBus bus(interface.substr(kPrefix.size()));
+    const std::string name = interface.substr(kPrefix.size());
+    patella::can::SocketCanBus bus(name);
+    options.set_interface_down = [&](bool down) { patella::app::setCanInterfaceUp(name, !down); };
     patella::MonotonicClock clock;
     patella::app::RealtimeOptions realtime;
     realtime.priority = config.realtime.priority > 1 ? config.realtime.priority - 1 : 0;

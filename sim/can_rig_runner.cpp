@@ -30,6 +30,7 @@ RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic
   RigRunStatistics statistics;
   std::array<can::Frame, kFramesPerPoll> received;
   can::Frame frame;
+  bool interface_down = false;
   const std::int64_t start_ns = clock.now();
   const std::int64_t end_ns =
       options.duration_s > 0.0 ? start_ns + static_cast<std::int64_t>(std::llround(options.duration_s * 1e9))
@@ -39,6 +40,12 @@ RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic
   for (std::int64_t poll = 0; instant_ns <= end_ns && !stop.load(std::memory_order_relaxed);) {
     clock.sleepUntil(instant_ns);
     rig.advance(instant_ns);
+    if (rig.interfaceDown() != interface_down) {
+      interface_down = rig.interfaceDown();
+      if (options.set_interface_down) {
+        options.set_interface_down(interface_down);
+      }
+    }
     while (rig.pop(frame)) {
       const bool sent = bus.send(frame, instant_ns) == can::SendResult::kSent;
       ++(sent ? statistics.frames_sent : statistics.send_failed);

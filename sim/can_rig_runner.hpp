@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 
 #include "drivers/can/bus.hpp"
 #include "drivers/clock/clock.hpp"
@@ -14,6 +15,8 @@ struct RigRunOptions {
   double duration_s = 0.0;  ///< 0: until told to stop
   int polls_per_period =
       4;  ///< how often the bus is looked at in a sensor period: a command waits at most so long
+  /// Takes the interface down (true) and up again where a script says so; may be empty.
+  std::function<void(bool down)> set_interface_down{};
 };
 
 struct RigRunStatistics {

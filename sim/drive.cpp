@@ -29,7 +29,8 @@ Drive::Drive(const DriveOptions& options, int joints, std::uint64_t seed)
       watchdog_ns_(std::llround(options.watchdog_s * 1e9)),
       deadline_ns_(kNever),
       target_Nm_(JointVector::Zero(joints)),
-      torque_Nm_(JointVector::Zero(joints)) {
+      torque_Nm_(JointVector::Zero(joints)),
+      applied_Nm_(JointVector::Zero(joints)) {
   for (const double limit : options.torque_limit_Nm) {
     requireAtLeastZero(limit, "torque_limit_Nm");
   }
@@ -57,6 +58,18 @@ void Drive::command(const JointVector& torque_Nm, bool enable,
   if (options_.bandwidth_Hz == 0.0) {
     torque_Nm_ = target_Nm_;
   }
+  apply();
+}
+
+void Drive::disturb(const DriveDisturbance& disturbance) noexcept PATELLA_NONBLOCKING {
+  disturbance_ = disturbance;
+  apply();
+}
+
+void Drive::restart() noexcept PATELLA_NONBLOCKING {
+  cut();
+  fault_ = DriveFault::kNone;
+  deadline_ns_ = kNever;
 }
 
 void Drive::watch(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
@@ -76,10 +89,11 @@ void Drive::advance(double dt_s) noexcept PATELLA_NONBLOCKING {
   }
   const double kept = std::exp(-2.0 * std::numbers::pi * options_.bandwidth_Hz * dt_s);
   torque_Nm_ = target_Nm_ + kept * (torque_Nm_ - target_Nm_);
+  apply();
 }
 
 JointVector Drive::reportedTorque() noexcept PATELLA_NONBLOCKING {
-  JointVector reported = torque_Nm_;
+  JointVector reported = applied_Nm_;
   for (Eigen::Index i = 0; i < reported.size(); ++i) {
     reported(i) += options_.report_noise_sd_Nm * random_.gaussian();
   }
@@ -90,6 +104,18 @@ void Drive::cut() noexcept {
   enabled_ = false;
   target_Nm_.setZero();
   torque_Nm_.setZero();
+  apply();
+}
+
+void Drive::apply() noexcept {
+  applied_Nm_ = torque_Nm_;
+  if (!enabled_ || disturbance_ == DriveDisturbance{}) {
+    return;
+  }
+  for (Eigen::Index i = 0; i < applied_Nm_.size(); ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    applied_Nm_(i) = disturbance_.gain[joint] * torque_Nm_(i) + disturbance_.extra_Nm[joint];
+  }
 }
 
 }  // namespace patella::sim

@@ -23,6 +23,13 @@ enum class DriveFault : std::uint8_t {
   kWatchdog = 1,  ///< no valid command within the watchdog time
 };
 
+/// What faults leave of a drive's torque: gain · torque + extra, while the drive is enabled.
+struct DriveDisturbance {
+  std::array<double, kMaxJoints> gain{1.0, 1.0};
+  std::array<double, kMaxJoints> extra_Nm{};
+  bool operator==(const DriveDisturbance&) const noexcept = default;
+};
+
 /// Applies a commanded torque, limited, only while enabled and fed. Loss of commands or a command without
 /// enable cuts the torque at once, whatever the bandwidth. The watchdog fault is not latched: the next valid
 /// command clears it and, if it enables, brings torque back. Latching is the loop's duty.
@@ -38,8 +45,13 @@ class Drive {
   /// Moves the torque loop by dt.
   void advance(double dt_s) noexcept PATELLA_NONBLOCKING;
 
+  /// What a defect makes of the torque from here on.
+  void disturb(const DriveDisturbance& disturbance) noexcept PATELLA_NONBLOCKING;
+  /// Switched off and on: without torque, faults or a command to watch.
+  void restart() noexcept PATELLA_NONBLOCKING;
+
   /// Torque on the joints, N·m.
-  const JointVector& torque() const noexcept { return torque_Nm_; }
+  const JointVector& torque() const noexcept { return applied_Nm_; }
   /// The same as the status frame reports it, with its noise.
   JointVector reportedTorque() noexcept PATELLA_NONBLOCKING;
   bool enabled() const noexcept { return enabled_; }
@@ -50,13 +62,16 @@ class Drive {
 
  private:
   void cut() noexcept;
+  void apply() noexcept;
 
   DriveOptions options_;
   Random random_;
   std::int64_t watchdog_ns_;
   std::int64_t deadline_ns_;
   JointVector target_Nm_;
-  JointVector torque_Nm_;
+  JointVector torque_Nm_;   ///< of the torque loop
+  JointVector applied_Nm_;  ///< the same with the disturbance
+  DriveDisturbance disturbance_;
   bool enabled_ = false;
   DriveFault fault_ = DriveFault::kNone;
   std::uint64_t watchdog_trips_ = 0;

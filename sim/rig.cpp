@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "drivers/can/error_monitor.hpp"
+
 namespace patella::sim {
 namespace {
 
@@ -96,7 +98,8 @@ Rig::Rig(const RigOptions& options, model::DynamicsModel truth, model::DynamicsM
                         : std::optional<RecordedEmg>(std::in_place, options.emg_log, database)),
       encoders_(makeEncoders(options, plant_.joints())),
       messages_(database, plant_.joints()),
-      queue_(options.queue_frames) {}
+      queue_(options.queue_frames),
+      faults_(options.faults, database, options.seed) {}
 
 void Rig::advance(std::int64_t to_ns) noexcept PATELLA_NONBLOCKING {
   if (!started_) {
@@ -117,6 +120,10 @@ void Rig::accept(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
   if (!messages_.isCommand(frame)) {
     return;
   }
+  faults_.pass(frame, FrameChannel::kCommand, [this](const can::Frame& command) { obey(command); });
+}
+
+void Rig::obey(const can::Frame& frame) noexcept {
   JointVector torque_Nm(plant_.joints());
   bool enable = false;
   if (!messages_.decodeCommand(frame, torque_Nm, enable)) {
@@ -158,26 +165,73 @@ void Rig::integrateTo(std::int64_t instant_ns) noexcept {
 
 void Rig::sample() noexcept {
   const double time_s = static_cast<double>(now_ns_ - epoch_ns_) * 1e-9;
+  sampleFaults(time_s);
   const PlantState& state = plant_.state();
   for (std::size_t joint = 0; joint < encoders_.size(); ++joint) {
     const auto i = static_cast<Eigen::Index>(joint);
     Encoder& encoder = encoders_[joint];
     // One after the other: the order of arguments is the compiler's, and both draw from one random sequence.
-    const double velocity_rad_s = encoder.measureVelocity(state.dq(i));
-    const double position_rad = encoder.measurePosition(state.q(i));
-    queue(messages_.encoder(joint, position_rad, velocity_rad_s));
+    double velocity_rad_s = encoder.measureVelocity(state.dq(i));
+    double position_rad = encoder.measurePosition(state.q(i));
+    faults_.encoder(static_cast<int>(joint), position_rad, velocity_rad_s);
+    send(messages_.encoder(joint, position_rad, velocity_rad_s),
+         joint == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2);
   }
-  queue(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()));
+  send(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()),
+       FrameChannel::kDriveStatus);
   emg_.advance(time_s, state.dq);
-  queue(messages_.emg(recorded_emg_ ? recorded_emg_->at(now_ns_ - epoch_ns_) : emg_.signal()));
+  EmgArray emg_mV = recorded_emg_ ? recorded_emg_->at(now_ns_ - epoch_ns_) : emg_.signal();
+  faults_.emg(emg_mV);
+  send(messages_.emg(emg_mV), FrameChannel::kEmg);
   const JointVector unknown = plant_.takeMeanUnknownDynamics();
   if (publish_truth_) {
-    queue(messages_.truth(unknown));
+    send(messages_.truth(unknown), FrameChannel::kTruth);
   }
   if (statistics_.samples % samples_per_operator_frame_ == 0) {
-    queue(messages_.operatorButtons(time_s >= operator_.enable_at_s, resetPressed(time_s)));
+    send(messages_.operatorButtons(time_s >= operator_.enable_at_s, resetPressed(time_s)),
+         FrameChannel::kOperator);
   }
+  faults_.release([this](const can::Frame& frame, FrameChannel channel) {
+    if (channel == FrameChannel::kCommand) {
+      obey(frame);
+    } else {
+      queue(frame);
+    }
+  });
   ++statistics_.samples;
+}
+
+void Rig::sampleFaults(double time_s) noexcept {
+  if (faults_.events().empty()) {
+    return;
+  }
+  faults_.advance(time_s);
+  drive_.disturb(faults_.drive());
+  interface_down_.store(faults_.active(FaultKind::kInterfaceDown), std::memory_order_relaxed);
+  if (faults_.began(FaultKind::kBusOff)) {
+    reportError(can::kErrorBusOff);
+  }
+  if (faults_.ended(FaultKind::kBusOff)) {
+    reportError(can::kErrorRestarted);
+  }
+  if (faults_.began(FaultKind::kPeerRestart)) {
+    drive_.restart();
+  }
+  if (faults_.ended(FaultKind::kPeerRestart)) {
+    messages_.restart();
+  }
+}
+
+void Rig::reportError(std::uint32_t error_class) noexcept {
+  can::Frame report;
+  report.error = true;
+  report.id = error_class;
+  report.length = 8;
+  queue(report);
+}
+
+void Rig::send(const can::Frame& frame, FrameChannel channel) noexcept {
+  faults_.pass(frame, channel, [this](const can::Frame& left) { queue(left); });
 }
 
 void Rig::queue(can::Frame frame) noexcept {

@@ -2,6 +2,7 @@
 // and obeys torque commands.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -20,6 +21,7 @@
 #include "sim/drive.hpp"
 #include "sim/emg_generator.hpp"
 #include "sim/encoder.hpp"
+#include "sim/fault_injector.hpp"
 #include "sim/interaction_force.hpp"
 #include "sim/plant.hpp"
 #include "sim/recorded_emg.hpp"
@@ -60,6 +62,7 @@ struct RigOptions {
   std::int64_t operator_period_ns = 10'000'000;  ///< a multiple of the sensor period
   double max_step_s = 1e-4;                      ///< of the integrator
   bool publish_truth = true;
+  std::vector<FaultEvent> faults;  ///< what goes wrong; those of the loop's host are not the rig's
   std::uint64_t seed = 1;
   std::size_t queue_frames = 4096;  ///< frames not yet taken off the rig, a power of two
 };
@@ -105,12 +108,21 @@ class Rig {
   const Drive& drive() const noexcept { return drive_; }
   const EmgGenerator& emg() const noexcept { return emg_; }
   RigStatistics statistics() const noexcept;
+  /// By script: the rig's side of the bus is gone. May be asked from any thread.
+  bool interfaceDown() const noexcept { return interface_down_.load(std::memory_order_relaxed); }
+  /// By script: what the wall clock was set forth by, ns; for the stamps of frames.
+  std::int64_t wallStep_ns() const noexcept { return faults_.wallStep_ns(); }
+  const FaultInjector& faults() const noexcept { return faults_; }
 
  private:
   void start(std::int64_t now_ns) noexcept;
   void integrateTo(std::int64_t instant_ns) noexcept;
   void sample() noexcept;
+  void sampleFaults(double time_s) noexcept;
+  void send(const can::Frame& frame, FrameChannel channel) noexcept;
   void queue(can::Frame frame) noexcept;
+  void obey(const can::Frame& frame) noexcept;
+  void reportError(std::uint32_t error_class) noexcept;
   bool resetPressed(double time_s) const noexcept;
 
   std::int64_t sensor_period_ns_;
@@ -127,6 +139,8 @@ class Rig {
   std::vector<Encoder> encoders_;
   RigMessages messages_;
   SpscRing<can::Frame> queue_;
+  FaultInjector faults_;
+  std::atomic<bool> interface_down_{false};
 
   bool started_ = false;
   std::int64_t epoch_ns_ = 0;

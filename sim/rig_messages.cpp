@@ -94,4 +94,13 @@ bool RigMessages::decodeCommand(const can::Frame& frame, JointVector& torque_Nm,
   return true;
 }
 
+void RigMessages::restart() noexcept {
+  for (OutgoingMessage& encoder : encoders_) {
+    encoder.restart();
+  }
+  for (OutgoingMessage* message : {&drive_status_, &emg_, &truth_, &operator_}) {
+    message->restart();
+  }
+}
+
 }  // namespace patella::sim

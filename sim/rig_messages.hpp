@@ -24,6 +24,7 @@ class OutgoingMessage {
 
   /// The next frame. Values in the order of the constructor's signals; what a signal cannot hold saturates.
   can::Frame make(std::initializer_list<double> values) noexcept PATELLA_NONBLOCKING;
+  void restart() noexcept { encoder_.restart(); }
 
  private:
   can::MessageEncoder encoder_;
@@ -50,6 +51,9 @@ class RigMessages {
   /// taken: the drive wants the newest command, and its watchdog judges the gaps.
   bool decodeCommand(const can::Frame& frame, JointVector& torque_Nm,
                      bool& enable) noexcept PATELLA_NONBLOCKING;
+
+  /// All counters start at zero again.
+  void restart() noexcept;
 
  private:
   std::vector<OutgoingMessage> encoders_;

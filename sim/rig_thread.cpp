@@ -44,9 +44,11 @@ std::size_t RigThread::receive(std::span<can::Frame> frames,
                                std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
   std::size_t count = 0;
   while (count < frames.size() && to_loop_.pop(frames[count])) {
-    frames[count++].monotonic_ns = now_ns;
+    can::Frame& frame = frames[count++];
+    frame.monotonic_ns = now_ns;
+    errors_.observe(frame, statistics_);
+    statistics_.frames_received += frame.error ? 0U : 1U;
   }
-  statistics_.frames_received += count;
   return count;
 }
 
@@ -56,7 +58,7 @@ can::SendResult RigThread::send(can::Frame& frame, std::int64_t now_ns) noexcept
     return can::SendResult::kDown;
   }
   frame.monotonic_ns = now_ns;
-  frame.wall_ns = now_ns + wall_offset_ns_;
+  frame.wall_ns = now_ns + wall_offset_ns_ + wall_step_ns_.load(std::memory_order_relaxed);
   if (!to_rig_.push(frame)) {
     ++statistics_.send_failed;
     return can::SendResult::kQueueFull;
@@ -88,8 +90,9 @@ void RigThread::run() noexcept {
       rig_.accept(frame);
     }
     rig_.advance(instant_ns);
+    wall_step_ns_.store(rig_.wallStep_ns(), std::memory_order_relaxed);
     while (rig_.pop(frame)) {
-      frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
+      frame.wall_ns = frame.monotonic_ns + wall_offset_ns_ + rig_.wallStep_ns();
       if (!to_loop_.push(frame)) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
       }

@@ -7,6 +7,7 @@
 
 #include "core/spsc_ring.hpp"
 #include "drivers/can/bus.hpp"
+#include "drivers/can/error_monitor.hpp"
 #include "drivers/clock/clock.hpp"
 #include "sim/rig.hpp"
 
@@ -35,8 +36,10 @@ class RigThread final : public can::Bus {
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   /// kQueueFull when the rig has fallen behind by as many frames as the ring holds.
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
-  /// True while the thread does not run.
-  bool down() const noexcept override { return !running_.load(std::memory_order_relaxed); }
+  /// True while the thread does not run, or the rig's script says so.
+  bool down() const noexcept override {
+    return !running_.load(std::memory_order_relaxed) || errors_.busOff() || rig_.interfaceDown();
+  }
   can::BusStatistics statistics() const noexcept override;
 
  private:
@@ -50,7 +53,9 @@ class RigThread final : public can::Bus {
   SpscRing<can::Frame> to_rig_;
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> running_{false};
+  std::atomic<std::int64_t> wall_step_ns_{0};
   can::BusStatistics statistics_;  // the loop thread's
+  can::ErrorMonitor errors_;       // likewise
   std::thread thread_;
 };
 

@@ -8,16 +8,21 @@ std::size_t SimulatedBus::receive(std::span<can::Frame> frames,
   std::size_t count = 0;
   while (count < frames.size() && rig_.pop(frames[count])) {
     can::Frame& frame = frames[count++];
-    frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
+    frame.wall_ns = frame.monotonic_ns + wall_offset_ns_ + rig_.wallStep_ns();
     frame.monotonic_ns = now_ns;
+    errors_.observe(frame, statistics_);
+    statistics_.frames_received += frame.error ? 0U : 1U;
   }
-  statistics_.frames_received += count;
   return count;
 }
 
 can::SendResult SimulatedBus::send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  if (down()) {
+    ++statistics_.send_failed;
+    return can::SendResult::kDown;
+  }
   frame.monotonic_ns = now_ns;
-  frame.wall_ns = now_ns + wall_offset_ns_;
+  frame.wall_ns = now_ns + wall_offset_ns_ + rig_.wallStep_ns();
   rig_.advance(now_ns);
   rig_.accept(frame);
   ++statistics_.frames_sent;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drivers/can/bus.hpp"
+#include "drivers/can/error_monitor.hpp"
 #include "drivers/clock/clock.hpp"
 #include "sim/rig.hpp"
 
@@ -20,13 +21,14 @@ class SimulatedBus final : public can::Bus {
   std::size_t receive(std::span<can::Frame> frames,
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
-  bool down() const noexcept override { return false; }
+  bool down() const noexcept override { return errors_.busOff() || rig_.interfaceDown(); }
   can::BusStatistics statistics() const noexcept override;
 
  private:
   Rig& rig_;
   std::int64_t wall_offset_ns_;
   can::BusStatistics statistics_;
+  can::ErrorMonitor errors_;
 };
 
 }  // namespace patella::sim

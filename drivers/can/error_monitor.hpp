@@ -20,9 +20,10 @@ class ErrorMonitor {
  public:
   /// Takes every frame received, error report or not. A data frame from another node proves the bus alive.
   void observe(const Frame& frame, BusStatistics& statistics) noexcept {
+    if (frame.own)
+      return;  // not from another node, nor from the controller
     if (!frame.error) {
-      if (!frame.own)
-        bus_off_ = false;
+      bus_off_ = false;
       return;
     }
     constexpr unsigned kPassive = 0x30;  // CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE

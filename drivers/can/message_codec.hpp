@@ -123,6 +123,9 @@ class MessageEncoder {
   /// Puts in the next counter value and then the CRC; the last step before sending.
   void seal(Frame& frame) noexcept PATELLA_NONBLOCKING;
 
+  /// The counter starts at zero again, as a sender's does that was switched off and on.
+  void restart() noexcept { next_counter_ = 0; }
+
   const CompiledMessage& layout() const noexcept { return layout_; }
 
  private:

@@ -79,7 +79,8 @@ void setOption(int fd, const std::string& interface, int level, int option, cons
 
 void pack(const Frame& frame, canfd_frame& out) noexcept {
   out = canfd_frame{};
-  out.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U) | (frame.remote ? CAN_RTR_FLAG : 0U);
+  out.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U) | (frame.remote ? CAN_RTR_FLAG : 0U) |
+               (frame.error ? CAN_ERR_FLAG : 0U);
   out.len = std::min<std::uint8_t>(frame.length, frame.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN);
   if (frame.fd) {
     out.flags = static_cast<std::uint8_t>(kFdFrameFlag | (frame.bit_rate_switch ? CANFD_BRS : 0));

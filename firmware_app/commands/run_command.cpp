@@ -17,6 +17,7 @@
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
+#include "sim/loop_faults.hpp"
 #include "sim/rig_thread.hpp"
 #include "sim/simulated_bus.hpp"
 
@@ -138,7 +139,11 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                      .channel = backend.channel,
                      .joints = config.model.joints(),
                      .lossless = config.clock == ClockKind::kVirtual});
-  Loop loop(config.loop, *clock, *backend.bus, *pins, decoder, encoder, *tick, &recorder);
+  sim::DisturbedClock loop_clock(*clock, config.faults);
+  sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
+  const bool disturbed = !config.faults.empty();
+  Loop loop(config.loop, disturbed ? loop_clock : *clock, *backend.bus, disturbed ? loop_pins : *pins,
+            decoder, encoder, *tick, &recorder);
 
   if (backend.rig_thread != nullptr) {
     backend.rig_thread->start();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "firmware_app/configuration/fault_script_file.hpp"
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
 #include "firmware_app/files/toml_table.hpp"
@@ -202,6 +203,14 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.rig.seed = *command_line.seed;
   }
   document.finish();
+  if (command_line.faults) {
+    const FaultStage stage = command_line.only_rig                      ? FaultStage::kRig
+                             : config.backend.kind == BackendKind::kSim ? FaultStage::kInProcess
+                                                                        : FaultStage::kLoop;
+    config.faults_path = *command_line.faults;
+    config.faults = loadFaultScript(config.faults_path, stage);
+    config.rig.faults = config.faults;
+  }
 
   // A log holds its own time: it is played as fast as the machine allows.
   if (config.backend.kind == BackendKind::kReplay) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/network/inference_options.hpp"
 #include "core/network/network_weights.hpp"
@@ -49,6 +50,8 @@ struct CommandLine {
   std::optional<std::filesystem::path> model;
   std::optional<std::filesystem::path> rig_model;
   std::optional<std::filesystem::path> reference;  ///< a file with what [reference] holds
+  std::optional<std::filesystem::path> faults;     ///< what is to go wrong
+  bool only_rig = false;                           ///< for a rig as a process of its own
   std::optional<std::uint64_t> seed;
   bool require_rt = false;
 };
@@ -76,6 +79,8 @@ struct RunConfig {
   tick::TickSettings tick;
   ModelDescription rig_model;  ///< the truth that the simulated rig lives by
   sim::RigOptions rig;
+  std::filesystem::path faults_path;    ///< empty: nothing goes wrong on purpose
+  std::vector<sim::FaultEvent> faults;  ///< also in rig.faults
 };
 
 /// Reads and checks the configuration and every file it names. Throws FileError naming file, line and key, or

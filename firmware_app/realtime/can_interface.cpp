@@ -12,6 +12,7 @@
 #include <linux/if_arp.h>
 #include <linux/if_link.h>
 #include <linux/rtnetlink.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -136,6 +137,22 @@ std::optional<CanInterface> queryCanInterface(const std::string& name) {
                    });
   found.fd = found.fd && found.can;
   return found;
+}
+
+void setCanInterfaceUp(const std::string& name, bool up) {
+  const Socket socket(PF_CAN, SOCK_RAW, CAN_RAW);
+  ifreq request{};
+  name.copy(request.ifr_name, IFNAMSIZ - 1);
+  bool done = socket.fd() >= 0 && ioctl(socket.fd(), SIOCGIFFLAGS, &request) == 0;
+  if (done) {
+    constexpr int kUp = IFF_UP;
+    request.ifr_flags = static_cast<short>(up ? request.ifr_flags | kUp : request.ifr_flags & ~kUp);
+    done = ioctl(socket.fd(), SIOCSIFFLAGS, &request) == 0;
+  }
+  if (!done) {
+    throw std::runtime_error("CAN interface " + name + ": cannot be " + (up ? "brought up" : "taken down") +
+                             ": " + std::generic_category().message(errno));
+  }
 }
 
 bool kernelHasCan() noexcept {

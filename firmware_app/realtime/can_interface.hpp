@@ -22,6 +22,10 @@ struct CanInterface {
 /// Nothing when there is no such interface. Throws std::runtime_error when the kernel cannot be asked.
 std::optional<CanInterface> queryCanInterface(const std::string& name);
 
+/// Brings the interface up or takes it down; needs CAP_NET_ADMIN. Throws std::runtime_error naming the
+/// interface and the system's reason.
+void setCanInterfaceUp(const std::string& name, bool up);
+
 /// True when the kernel has raw CAN sockets.
 bool kernelHasCan() noexcept;
 

@@ -57,6 +57,7 @@ Json inputs(const RunConfig& config) {
   add("bus_map", config.bus_map_path);
   add("dbc", config.bus.dbc_path);
   add("weights", config.weights_path);
+  add("faults", config.faults_path);
   if (config.backend.kind == BackendKind::kSim) {
     add("rig_model", config.rig_model_path);
   }

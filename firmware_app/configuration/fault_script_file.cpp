@@ -1,0 +1,177 @@
+#include "firmware_app/configuration/fault_script_file.hpp"
+
+#include <numbers>
+#include <string>
+
+#include "firmware_app/files/toml_table.hpp"
+
+namespace patella::app {
+namespace {
+
+using sim::ChannelGroup;
+using sim::FaultEvent;
+using sim::FaultKind;
+using Names = std::vector<std::string>;
+
+constexpr Range kTime{.minimum = 0.0, .maximum = 1e7};
+constexpr Range kDuration{.minimum = 0.0, .maximum = 1e7, .minimum_open = true};
+constexpr Range kShare{.minimum = 0.0, .maximum = 1.0, .minimum_open = true};
+
+Names kindNames() {
+  Names names;
+  for (int i = 0; i < sim::kFaultKindCount; ++i) {
+    names.emplace_back(sim::faultKindName(static_cast<FaultKind>(i)));
+  }
+  return names;
+}
+
+/// In the order of their numbers.
+Names channelNames(ChannelGroup group) {
+  Names names;
+  switch (group) {
+    case ChannelGroup::kFrames:
+      for (int i = 0; i < sim::kFrameChannelCount; ++i) {
+        names.emplace_back(sim::frameChannelName(static_cast<sim::FrameChannel>(i)));
+      }
+      return names;
+    case ChannelGroup::kEncoder:
+      return {"encoder1", "encoder2"};
+    case ChannelGroup::kEmg:
+      return {"emg1", "emg2", "emg3", "emg4"};
+    case ChannelGroup::kDrive:
+      return {"drive1", "drive2"};
+    case ChannelGroup::kNone:
+      break;
+  }
+  return names;
+}
+
+int indexOf(const Names& names, const std::string& name) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) {
+      return static_cast<int>(i);
+    }
+  }
+  return FaultEvent::kAll;
+}
+
+void readChannel(const TomlTable& table, FaultEvent& event) {
+  const ChannelGroup group = sim::channelGroup(event.kind);
+  if (group == ChannelGroup::kNone) {
+    return;
+  }
+  const Names names = channelNames(group);
+  Names allowed = names;
+  allowed.emplace_back("all");
+  event.channel = indexOf(names, table.choice("channel", allowed, "all"));
+}
+
+void readFrameParameters(const TomlTable& table, FaultEvent& event) {
+  event.probability = table.number("probability", kShare, 1.0);
+  if (event.kind == FaultKind::kDelayedFrames) {
+    event.delay_s = table.number("delay_s", Range{.minimum = 0.001, .maximum = 10.0}, event.delay_s);
+  }
+  if (event.kind == FaultKind::kFlippedBits) {
+    event.bits = static_cast<int>(table.integer("bits", 1, 64, event.bits));
+  }
+  if (event.kind == FaultKind::kForgedFrames) {
+    event.value = table.number("value", Range{.minimum = -1e6, .maximum = 1e6});
+    event.counter_correct = table.choice("counter", Names{"next", "same"}, "next") == "next";
+    event.crc_correct = table.choice("crc", Names{"right", "wrong"}, "right") == "right";
+  }
+}
+
+void readParameters(const TomlTable& table, FaultEvent& event) {
+  const Range angle{.minimum = -2.0 * std::numbers::pi, .maximum = 2.0 * std::numbers::pi};
+  const Range electrode_mV{.minimum = -1000.0, .maximum = 1000.0};
+  switch (event.kind) {
+    case FaultKind::kEncoderJump:
+      event.value = table.number("offset_rad", angle);
+      break;
+    case FaultKind::kEncoderDrift:
+      event.value = table.number("rate_rad_s", Range{.minimum = -100.0, .maximum = 100.0});
+      break;
+    case FaultKind::kEncoderWrap:
+      event.value =
+          table.number("turn_rad", Range{.minimum = 0.01, .maximum = 100.0}, 2.0 * std::numbers::pi);
+      break;
+    case FaultKind::kEncoderFreeze:
+      event.with_velocity = table.boolean("with_velocity", true);
+      break;
+    case FaultKind::kEmgSaturation:
+      event.value = table.number("level_mV", electrode_mV, 1.5);
+      break;
+    case FaultKind::kEmgDisconnection:
+      event.value = table.number("noise_mV", kNotNegative, 0.0);
+      break;
+    case FaultKind::kEmgHum:
+      event.value = table.number("amplitude_mV", electrode_mV);
+      event.frequency_Hz = table.number("frequency_Hz", Range{.minimum = 45.0, .maximum = 65.0}, 50.0);
+      break;
+    case FaultKind::kDriveNotFollowing:
+      event.value = table.number("gain", Range{.minimum = -1.0, .maximum = 2.0}, 0.0);
+      break;
+    case FaultKind::kDriveOverTorque:
+      event.value = table.number("extra_Nm", Range{.minimum = -500.0, .maximum = 500.0});
+      break;
+    case FaultKind::kClockStep:
+      event.value = table.number("step_s", Range{.minimum = -1e5, .maximum = 1e5});
+      break;
+    case FaultKind::kGpioBounce:
+      event.value = table.number("period_s", Range{.minimum = 0.0005, .maximum = 1.0}, 0.002);
+      break;
+    default:
+      break;
+  }
+}
+
+void requireStage(const TomlTable& table, const FaultEvent& event, FaultStage stage) {
+  const std::string kind(sim::faultKindName(event.kind));
+  if (stage == FaultStage::kRig && sim::actsOnLoop(event.kind)) {
+    throw table.error("kind", "value '" + kind +
+                                  "', expected a fault of the rig: this one happens to the loop's host, "
+                                  "give it to patella run --faults");
+  }
+  if (stage == FaultStage::kLoop && !sim::actsOnLoop(event.kind)) {
+    throw table.error("kind", "value '" + kind +
+                                  "', expected a fault of the loop's host: this one happens in the rig, "
+                                  "give it to patella-rig --faults, or use the backend sim");
+  }
+}
+
+FaultEvent readFault(const TomlTable& table, FaultStage stage) {
+  const Names kinds = kindNames();
+  FaultEvent event;
+  event.kind = static_cast<FaultKind>(indexOf(kinds, table.choice("kind", kinds)));
+  requireStage(table, event, stage);
+  event.time_s = table.number("time_s", kTime);
+  if (table.has("duration_s")) {
+    event.duration_s = table.number("duration_s", kDuration);
+  } else if (event.kind == FaultKind::kLoopStall || event.kind == FaultKind::kRigStall ||
+             event.kind == FaultKind::kPeerRestart) {
+    event.duration_s = table.number("duration_s", kDuration);  // says that it is missing
+  }
+  readChannel(table, event);
+  if (sim::channelGroup(event.kind) == ChannelGroup::kFrames) {
+    readFrameParameters(table, event);
+  }
+  readParameters(table, event);
+  return event;
+}
+
+}  // namespace
+
+std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage) {
+  const TomlDocument document = TomlDocument::load(path);
+  std::vector<sim::FaultEvent> events;
+  for (const TomlTable& table : document.root().tables("fault")) {
+    events.push_back(readFault(table, stage));
+  }
+  document.finish();
+  if (events.empty()) {
+    throw FileError(path.string() + ": holds no fault, expected [[fault]] tables");
+  }
+  return events;
+}
+
+}  // namespace patella::app

@@ -1,0 +1,21 @@
+// Fault scripts: TOML with one [[fault]] for everything that is to go wrong.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "sim/fault_script.hpp"
+
+namespace patella::app {
+
+/// Who acts the script out, and so which kinds it may hold.
+enum class FaultStage {
+  kInProcess,  ///< loop and rig in one process: everything
+  kRig,        ///< the rig as a process of its own: all but what happens to the loop's host
+  kLoop        ///< the loop on a bus or a log: only what happens to its host
+};
+
+/// Events in the order of the file. Throws FileError naming file, line and key.
+std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage);
+
+}  // namespace patella::app

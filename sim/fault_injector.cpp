@@ -1,0 +1,197 @@
+#include "sim/fault_injector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/random_streams.hpp"
+
+namespace patella::sim {
+
+FaultInjector::FaultInjector(const std::vector<FaultEvent>& events, const can::Database& database,
+                             std::uint64_t seed)
+    : forger_(database), random_(seed, kFaultStream) {
+  for (const FaultEvent& event : events) {
+    requireSound(event);
+    if (!actsOnLoop(event.kind) || event.kind == FaultKind::kClockStep) {
+      events_.push_back(event);
+    }
+  }
+  active_.resize(events_.size());
+  before_.resize(events_.size());
+  first_effect_s_.assign(events_.size(), -1.0);
+  held_.resize(events_.empty() ? 0 : kMaxHeld);
+}
+
+void FaultInjector::advance(double time_s) noexcept PATELLA_NONBLOCKING {
+  time_s_ = time_s;
+  active_count_ = 0;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    before_[i] = active_[i];
+    active_[i] = events_[i].activeAt(time_s);
+    active_count_ += active_[i] ? 1U : 0U;
+    if (active_[i] && channelGroup(events_[i].kind) == ChannelGroup::kNone) {
+      note(events_[i]);
+    }
+  }
+}
+
+bool FaultInjector::changed(FaultKind kind, bool to) const noexcept {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    if (events_[i].kind == kind && active_[i] == to && before_[i] != to) {
+      return true;
+    }
+  }
+  return false;
+}
+
+const FaultEvent* FaultInjector::find(FaultKind kind) const noexcept {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    if (active_[i] && events_[i].kind == kind) {
+      return &events_[i];
+    }
+  }
+  return nullptr;
+}
+
+FaultEvent* FaultInjector::find(FaultKind kind, int channel) noexcept {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    if (active_[i] && events_[i].kind == kind && events_[i].concerns(channel)) {
+      return &events_[i];
+    }
+  }
+  return nullptr;
+}
+
+bool FaultInjector::waiting() const noexcept {
+  return std::any_of(reordered_.begin(), reordered_.end(),
+                     [](const auto& frame) { return frame.has_value(); });
+}
+
+bool FaultInjector::happens(const FaultEvent& event) noexcept {
+  if (event.probability < 1.0 && random_.uniform() >= event.probability) {
+    return false;
+  }
+  note(event);
+  return true;
+}
+
+void FaultInjector::note(const FaultEvent& event) noexcept {
+  const auto index = static_cast<std::size_t>(&event - events_.data());
+  if (first_effect_s_[index] < 0.0) {
+    first_effect_s_[index] = time_s_;
+  }
+}
+
+bool FaultInjector::silent() const noexcept {
+  return active(FaultKind::kBusOff) || active(FaultKind::kInterfaceDown) || active(FaultKind::kPeerRestart);
+}
+
+bool FaultInjector::lost(FrameChannel channel) noexcept {
+  const FaultEvent* event = find(FaultKind::kLostFrames, static_cast<int>(channel));
+  return event != nullptr && happens(*event);
+}
+
+void FaultInjector::flip(can::Frame& frame, FrameChannel channel) noexcept {
+  const FaultEvent* event = find(FaultKind::kFlippedBits, static_cast<int>(channel));
+  if (event == nullptr || frame.length == 0 || !happens(*event)) {
+    return;
+  }
+  const int bits = 8 * frame.length;
+  std::array<bool, std::size_t{8} * can::kMaxDataLength> flipped{};
+  for (int i = 0; i < std::min(event->bits, bits); ++i) {
+    std::size_t bit = 0;
+    do {
+      bit = std::min(static_cast<std::size_t>(random_.uniform() * bits), static_cast<std::size_t>(bits - 1));
+    } while (flipped[bit]);
+    flipped[bit] = true;
+    frame.data[bit / 8] = static_cast<std::uint8_t>(frame.data[bit / 8] ^ (1U << (bit % 8)));
+  }
+}
+
+bool FaultInjector::hold(const can::Frame& frame, FrameChannel channel) noexcept {
+  double due_s = 0.0;
+  if (const FaultEvent* stall = find(FaultKind::kRigStall); stall != nullptr) {
+    due_s = stall->time_s + stall->duration_s;
+  } else if (const FaultEvent* delay = find(FaultKind::kDelayedFrames, static_cast<int>(channel));
+             delay != nullptr && happens(*delay)) {
+    due_s = time_s_ + delay->delay_s;
+  } else {
+    return false;
+  }
+  if (held_count_ < held_.size()) {
+    held_[held_count_++] = {frame, channel, due_s};
+  }
+  return true;
+}
+
+void FaultInjector::encoder(int joint, double& position_rad,
+                            double& velocity_rad_s) noexcept PATELLA_NONBLOCKING {
+  if (const FaultEvent* event = find(FaultKind::kEncoderJump, joint); event != nullptr) {
+    note(*event);
+    position_rad += event->value;
+  }
+  if (const FaultEvent* event = find(FaultKind::kEncoderDrift, joint); event != nullptr) {
+    note(*event);
+    position_rad += event->value * (time_s_ - event->time_s);
+  }
+  if (const FaultEvent* event = find(FaultKind::kEncoderWrap, joint); event != nullptr) {
+    note(*event);
+    position_rad -= std::copysign(event->value, position_rad);
+  }
+  auto& frozen = frozen_[static_cast<std::size_t>(joint)];
+  if (const FaultEvent* event = find(FaultKind::kEncoderFreeze, joint); event != nullptr) {
+    note(*event);
+    if (!frozen) {
+      frozen = {position_rad, velocity_rad_s};
+    }
+    position_rad = frozen->first;
+    velocity_rad_s = event->with_velocity ? frozen->second : velocity_rad_s;
+  } else {
+    frozen.reset();
+  }
+}
+
+void FaultInjector::emg(EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING {
+  for (int channel = 0; channel < kMaxEmgChannels; ++channel) {
+    double& signal = signal_mV[static_cast<std::size_t>(channel)];
+    if (const FaultEvent* event = find(FaultKind::kEmgHum, channel); event != nullptr) {
+      note(*event);
+      signal += event->value * std::sin(2.0 * std::numbers::pi * event->frequency_Hz * time_s_);
+    }
+    if (const FaultEvent* event = find(FaultKind::kEmgDisconnection, channel); event != nullptr) {
+      note(*event);
+      signal = event->value * random_.gaussian();
+    }
+    if (const FaultEvent* event = find(FaultKind::kEmgSaturation, channel); event != nullptr) {
+      note(*event);
+      signal = event->value;
+    }
+  }
+}
+
+DriveDisturbance FaultInjector::drive() noexcept PATELLA_NONBLOCKING {
+  DriveDisturbance disturbance;
+  for (int joint = 0; joint < kMaxJoints; ++joint) {
+    const auto i = static_cast<std::size_t>(joint);
+    if (const FaultEvent* event = find(FaultKind::kDriveNotFollowing, joint); event != nullptr) {
+      note(*event);
+      disturbance.gain[i] = event->value;
+    }
+    if (const FaultEvent* event = find(FaultKind::kDriveOverTorque, joint); event != nullptr) {
+      note(*event);
+      disturbance.extra_Nm[i] = event->value;
+    }
+  }
+  return disturbance;
+}
+
+std::int64_t FaultInjector::wallStep_ns() const noexcept {
+  double step_s = 0.0;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    step_s += active_[i] && events_[i].kind == FaultKind::kClockStep ? events_[i].value : 0.0;
+  }
+  return static_cast<std::int64_t>(std::llround(step_s * 1e9));
+}
+
+}  // namespace patella::sim

@@ -1,0 +1,67 @@
+#include "sim/fault_script.hpp"
+
+#include "core/check.hpp"
+
+namespace patella::sim {
+
+std::string_view faultKindName(FaultKind kind) noexcept {
+  static constexpr std::array<std::string_view, kFaultKindCount> kNames = {
+      "lost_frames",    "delayed_frames",    "duplicated_frames", "reordered_frames",    "flipped_bits",
+      "forged_frames",  "encoder_jump",      "encoder_freeze",    "encoder_drift",       "encoder_wrap",
+      "emg_saturation", "emg_disconnection", "emg_hum",           "drive_not_following", "drive_over_torque",
+      "bus_off",        "interface_down",    "rig_stall",         "peer_restart",        "loop_stall",
+      "clock_step",     "emergency_stop",    "gpio_bounce"};
+  const auto index = static_cast<std::size_t>(kind);
+  return index < kNames.size() ? kNames[index] : "unknown";
+}
+
+ChannelGroup channelGroup(FaultKind kind) noexcept {
+  switch (kind) {
+    case FaultKind::kLostFrames:
+    case FaultKind::kDelayedFrames:
+    case FaultKind::kDuplicatedFrames:
+    case FaultKind::kReorderedFrames:
+    case FaultKind::kFlippedBits:
+    case FaultKind::kForgedFrames:
+      return ChannelGroup::kFrames;
+    case FaultKind::kEncoderJump:
+    case FaultKind::kEncoderFreeze:
+    case FaultKind::kEncoderDrift:
+    case FaultKind::kEncoderWrap:
+      return ChannelGroup::kEncoder;
+    case FaultKind::kEmgSaturation:
+    case FaultKind::kEmgDisconnection:
+    case FaultKind::kEmgHum:
+      return ChannelGroup::kEmg;
+    case FaultKind::kDriveNotFollowing:
+    case FaultKind::kDriveOverTorque:
+      return ChannelGroup::kDrive;
+    default:
+      return ChannelGroup::kNone;
+  }
+}
+
+bool actsOnLoop(FaultKind kind) noexcept {
+  return kind == FaultKind::kLoopStall || kind == FaultKind::kClockStep ||
+         kind == FaultKind::kEmergencyStop || kind == FaultKind::kGpioBounce;
+}
+
+std::string_view frameChannelName(FrameChannel channel) noexcept {
+  static constexpr std::array<std::string_view, kFrameChannelCount> kNames = {
+      "encoder1", "encoder2", "drive", "emg", "truth", "operator", "command"};
+  const auto index = static_cast<std::size_t>(channel);
+  return index < kNames.size() ? kNames[index] : "unknown";
+}
+
+void requireSound(const FaultEvent& event) {
+  constexpr double kLongest_s = 1e7;
+  requireRange("fault.time_s", event.time_s, 0.0, kLongest_s);
+  requireRange("fault.duration_s", event.duration_s, 0.0, std::numeric_limits<double>::infinity());
+  requireRange("fault.probability", event.probability, 0.0, 1.0);
+  requireRange("fault.delay_s", event.delay_s, 0.0, kLongest_s);
+  requireRange("fault.bits", event.bits, 1, 64);
+  requireRange("fault.value", event.value, -1e6, 1e6);
+  requireRange("fault.frequency_Hz", event.frequency_Hz, 0.0, 1e4);
+}
+
+}  // namespace patella::sim

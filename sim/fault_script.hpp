@@ -1,0 +1,101 @@
+// What goes wrong, when and where: the script of faults that the rig, and the loop's clock and lines, act
+// out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace patella::sim {
+
+enum class FaultKind : std::uint8_t {
+  kLostFrames = 0,
+  kDelayedFrames,
+  kDuplicatedFrames,
+  kReorderedFrames,
+  kFlippedBits,
+  kForgedFrames,
+  kEncoderJump,
+  kEncoderFreeze,
+  kEncoderDrift,
+  kEncoderWrap,
+  kEmgSaturation,
+  kEmgDisconnection,
+  kEmgHum,
+  kDriveNotFollowing,
+  kDriveOverTorque,
+  kBusOff,
+  kInterfaceDown,
+  kRigStall,
+  kPeerRestart,
+  kLoopStall,
+  kClockStep,
+  kEmergencyStop,
+  kGpioBounce,
+  kCount
+};
+
+inline constexpr int kFaultKindCount = static_cast<int>(FaultKind::kCount);
+
+/// snake_case name, as scripts have it.
+std::string_view faultKindName(FaultKind kind) noexcept;
+
+/// What a script's `channel` may be for a kind.
+enum class ChannelGroup : std::uint8_t {
+  kNone,    ///< the kind has no channel
+  kFrames,  ///< one message, or all
+  kEncoder,
+  kEmg,   ///< one electrode, or all
+  kDrive  ///< one joint, or all
+};
+ChannelGroup channelGroup(FaultKind kind) noexcept;
+
+/// True for what happens to the loop's host rather than in the rig.
+bool actsOnLoop(FaultKind kind) noexcept;
+
+/// Messages of the rig's bus.
+enum class FrameChannel : std::uint8_t {
+  kEncoder1 = 0,
+  kEncoder2,
+  kDriveStatus,
+  kEmg,
+  kTruth,
+  kOperator,
+  kCommand,
+  kCount
+};
+inline constexpr int kFrameChannelCount = static_cast<int>(FrameChannel::kCount);
+/// encoder1 … command
+std::string_view frameChannelName(FrameChannel channel) noexcept;
+
+struct FaultEvent {
+  static constexpr int kAll = -1;
+
+  FaultKind kind = FaultKind::kLostFrames;
+  double time_s = 0.0;                                          ///< since the rig's, or the loop's, start
+  double duration_s = std::numeric_limits<double>::infinity();  ///< infinity: for good
+  /// FrameChannel, electrode or joint from 0 by the kind's group; kAll for every one.
+  int channel = kAll;
+  double probability = 1.0;  ///< for each frame
+  double delay_s = 0.01;     ///< delayed_frames
+  int bits = 1;              ///< flipped_bits: how many of a frame
+  /// In the unit of the kind: offset rad, rate rad/s, turn rad, level, noise or amplitude mV, gain, extra
+  /// N·m, step s, bounce period s, or the forged frame's first signal.
+  double value = 0.0;
+  double frequency_Hz = 50.0;   ///< emg_hum
+  bool with_velocity = true;    ///< encoder_freeze: the rate stands still too
+  bool counter_correct = true;  ///< forged_frames
+  bool crc_correct = true;      ///< forged_frames
+
+  bool activeAt(double t_s) const noexcept { return t_s >= time_s && t_s < time_s + duration_s; }
+  bool concerns(int index) const noexcept { return channel == kAll || channel == index; }
+};
+
+/// Throws std::invalid_argument naming the value that is out of range; for scripts that no file has checked.
+void requireSound(const FaultEvent& event);
+
+}  // namespace patella::sim
