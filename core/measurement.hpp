@@ -17,6 +17,7 @@ struct Measurement {
   bool has_velocity = false;  ///< the encoder delivers a rate; otherwise it is derived from position
   bool has_drive_torque =
       false;  ///< a drive status is bound; otherwise the commanded torque is taken as applied
+  bool has_drive_enabled = false;  ///< drive_enabled is bound
   bool drive_enabled = false;
   bool operator_enable = false;  ///< level
   bool operator_reset = false;   ///< level; the state machine looks for its rising edge

@@ -10,21 +10,30 @@ namespace patella::safety {
 
 /// Each value is a bit position in FaultSet. Append only: recorded logs carry the numbers.
 enum class Fault : std::uint8_t {
-  kEmergencyStop = 0,   ///< line asserted, or its device unreadable
-  kEncoderStale,        ///< no valid encoder sample within the timeout
-  kEncoderImplausible,  ///< position or velocity out of the sensor's range, or a jump no leg can make
-  kDriveStale,          ///< no valid drive status within the timeout
-  kDriveFault,          ///< the drive reports a fault of its own
-  kEmgStale,            ///< no valid EMG frame within the timeout while assistance needs it
-  kFrameCorrupt,        ///< CRC failures beyond the tolerated count
-  kFrameSequence,       ///< counter repeats or jumps beyond the tolerated count
-  kBusOff,              ///< controller left the bus, or the interface is down
-  kSendFailed,          ///< command frames could not be queued, N in a row
-  kOverrun,             ///< the tick missed its period, N in a row
-  kNotFinite,           ///< NaN or infinity in an estimate or a command
-  kVelocityLimit,       ///< joint faster than allowed
-  kJointRange,          ///< joint outside its allowed range
-  kTorqueLimit,         ///< demand above the torque limit for longer than tolerated
+  kEmergencyStop = 0,    ///< line asserted, or its device unreadable
+  kEncoderStale,         ///< no valid encoder sample within the timeout
+  kEncoderImplausible,   ///< position or velocity out of the sensor's range, or a jump no leg can make
+  kDriveStale,           ///< no valid drive status within the timeout
+  kDriveFault,           ///< the drive reports a fault of its own
+  kEmgStale,             ///< no valid EMG frame within the timeout while assistance needs it
+  kFrameCorrupt,         ///< CRC failures beyond the tolerated count
+  kFrameSequence,        ///< counter repeats or jumps beyond the tolerated count
+  kBusOff,               ///< controller left the bus, or the interface is down
+  kSendFailed,           ///< command frames could not be queued, N in a row
+  kOverrun,              ///< the tick missed its period, N in a row
+  kNotFinite,            ///< NaN or infinity in an estimate or a command
+  kVelocityLimit,        ///< joint faster than allowed
+  kJointRange,           ///< joint outside its allowed range
+  kTorqueLimit,          ///< demand above the torque limit for longer than tolerated
+  kEncoderInconsistent,  ///< position and rate tell of different motions
+  kModelMismatch,        ///< more torque acts than any patient has: model, encoder or drive is wrong
+  kFollowingError,       ///< the leg is not where the reference holds it
+  kDriveNotFollowing,    ///< drive feedback does not match what was commanded
+  kDriveOverTorque,      ///< drive feedback above the torque limit
+  kEmgElectrodeOff,      ///< an electrode that assistance needs stands still
+  kEmgSaturated,         ///< likewise, at the end of its range
+  kEmgHum,               ///< likewise, drowned by the mains
+  kWatchdog,             ///< the watchdog thread found the loop standing still
   kCount
 };
 

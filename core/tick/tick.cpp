@@ -5,6 +5,32 @@
 namespace patella::tick {
 namespace {
 
+// Joints that the controller holds to the reference.
+std::array<bool, kMaxJoints> stiffJoints(const control::ControlGains& gains, int joints) {
+  std::array<bool, kMaxJoints> stiff{};
+  for (int joint = 0; joint < joints && joint < gains.stiffness_Nm_rad.size(); ++joint) {
+    stiff[static_cast<std::size_t>(joint)] = gains.stiffness_Nm_rad[joint] > 0.0;
+  }
+  return stiff;
+}
+
+// Electrodes whose signal becomes torque. With bypass the signal is no EMG and may do what it likes.
+std::array<bool, kMaxEmgChannels> usedElectrodes(const TickSettings& settings, int joints) {
+  std::array<bool, kMaxEmgChannels> used{};
+  for (std::size_t channel = 0; channel < used.size(); ++channel) {
+    for (std::size_t joint = 0; joint < static_cast<std::size_t>(joints); ++joint) {
+      used[channel] = used[channel] || settings.emg_gain_Nm[joint][channel] != 0.0;
+    }
+    used[channel] = used[channel] && settings.gains.emg != 0.0 && !settings.emg.bypass;
+  }
+  return used;
+}
+
+const safety::MonitorSettings& checked(const safety::MonitorSettings& settings) {
+  safety::requireSound(settings);
+  return settings;
+}
+
 void zero(control::ControlOutput& output, int joints) noexcept {
   for (JointVector* term : {&output.gravity, &output.model, &output.emg, &output.impedance,
                             &output.compensation, &output.total}) {
@@ -30,6 +56,13 @@ Tick::Tick(const TickSettings& settings, model::DynamicsModel model,
       emg_(settings.emg),
       control_(front_.joints(), settings.gains),
       reference_(front_.joints(), settings.reference),
+      encoder_monitor_(front_.joints(), checked(settings.monitors).encoder),
+      drive_monitor_(front_.joints(), settings.monitors.drive, settings.limits, settings.period_s),
+      emg_monitor_(settings.monitors.emg, usedElectrodes(settings, front_.joints()), settings.emg.rate_Hz,
+                   settings.emg.mains_Hz),
+      motion_monitor_(front_.joints(), settings.monitors.motion, settings.limits,
+                      stiffJoints(settings.gains, front_.joints())),
+      network_monitor_(front_.joints(), settings.monitors.network, settings.limits),
       limiter_(front_.joints(), settings.limits),
       states_(settings.healthy_ticks),
       network_input_(features_.size()) {
@@ -47,7 +80,7 @@ Tick::Tick(const TickSettings& settings, model::DynamicsModel model,
   }
   for (JointVector* vector :
        {&output_.command.torque_Nm, &output_.velocity_rad_s, &output_.f_network, &output_.reference.q,
-        &output_.reference.dq, &output_.reference.ddq, &network_value_, &last_command_Nm_}) {
+        &output_.reference.dq, &output_.reference.ddq, &nothing_, &network_value_, &last_command_Nm_}) {
     vector->setZero(joints());
   }
   takeEstimates();
@@ -76,6 +109,9 @@ void Tick::takeEstimates() noexcept {
 }
 
 void Tick::estimate(const TickInput& input) noexcept {
+  const Measurement& m = input.measurement;
+  inconsistent_ = m.has_velocity && encoder_monitor_.update(m.position_rad, m.velocity_rad_s,
+                                                            m.encoder_steps * settings_.encoder_period_s);
   output_.estimated = front_.update(input.measurement, output_.activation, last_command_Nm_, input.time_s);
   output_.velocity_rad_s = front_.state().dq;
   if (output_.estimated) {
@@ -129,6 +165,21 @@ void Tick::estimateNetwork(int encoder_steps) noexcept {
       break;
   }
   output_.has_network = output_.f_network.allFinite();
+  const JointVector difference_Nm = front_.terms().inertia * (output_.f_network - output_.f_s_filtered);
+  network_trusted_ = network_monitor_.trusted(difference_Nm, settings_.period_s);
+}
+
+// The network only ever gives way to the observer.
+const JointVector& Tick::compensated() noexcept {
+  switch (settings_.compensation) {
+    case CompensationSource::kNone:
+      return nothing_;
+    case CompensationSource::kSampler:
+      return output_.f_s_filtered;
+    case CompensationSource::kNetwork:
+      break;
+  }
+  return network_trusted_ ? output_.f_network : output_.f_s_filtered;
 }
 
 void Tick::demand(const TickInput& input) noexcept {
@@ -140,12 +191,27 @@ void Tick::demand(const TickInput& input) noexcept {
   output_.reference = reference_.at(input.time_s - active_since_s_);
   const JointVector gravity = front_.model().mechanism().gravity(front_.state().q);
   const JointVector emg_torque = front_.emgTorque(output_.activation);
-  const JointVector none = JointVector::Zero(joints());
-  const JointVector& f_hat = settings_.compensation == CompensationSource::kNetwork   ? output_.f_network
-                             : settings_.compensation == CompensationSource::kSampler ? output_.f_s_filtered
-                                                                                      : none;
-  output_.control = control_.compute(
-      {front_.terms(), gravity, output_.reference, front_.state().q, front_.state().dq, emg_torque, f_hat});
+  output_.control = control_.compute({front_.terms(), gravity, output_.reference, front_.state().q,
+                                      front_.state().dq, emg_torque, compensated()});
+}
+
+safety::FaultSet Tick::monitor(const TickInput& input) noexcept {
+  const Measurement& m = input.measurement;
+  safety::FaultSet faults = emg_monitor_.update(m.emg_mV, m.emg_steps) | drive_monitor_.update(m);
+  if (inconsistent_) {
+    faults.add(safety::Fault::kEncoderInconsistent);
+  }
+  if (output_.state == safety::State::kActive) {
+    const JointVector error_rad = output_.reference.q - m.position_rad;
+    faults = faults | motion_monitor_.update(output_.d_hat_Nm, error_rad, settings_.period_s);
+  } else {
+    motion_monitor_.reset();
+  }
+  output_.warnings = {};
+  if (network_ && !network_trusted_) {
+    output_.warnings.add(safety::Warning::kNetworkFallback);
+  }
+  return faults;
 }
 
 // The limiter may find faults of its own, so it comes before the state machine, and the state machine has the
@@ -153,7 +219,7 @@ void Tick::demand(const TickInput& input) noexcept {
 void Tick::decide(const TickInput& input) noexcept {
   const safety::LimiterOutput limited =
       limiter_.apply(output_.control.total, front_.state().q, front_.state().dq, settings_.period_s);
-  output_.faults = input.faults | limited.faults;
+  output_.faults = input.faults | limited.faults | monitor(input);
   output_.limits = limited.limits;
 
   const safety::StateOutput decision =
@@ -167,6 +233,8 @@ void Tick::decide(const TickInput& input) noexcept {
 
   if (decision.entered_active) {
     restart();
+    network_monitor_.reset();
+    network_trusted_ = true;
     reference_.start(front_.state().q);
     active_since_s_ = input.time_s;
   }
@@ -178,6 +246,7 @@ void Tick::decide(const TickInput& input) noexcept {
   }
   output_.command.enable = decision.torque_allowed;
   output_.command.state = static_cast<std::uint8_t>(decision.state);
+  drive_monitor_.commanded(output_.command);
   last_command_Nm_ = output_.command.torque_Nm;
 }
 

@@ -12,8 +12,13 @@
 #include "core/emg/emg_torque_map.hpp"
 #include "core/measurement.hpp"
 #include "core/network/attention_lstm.hpp"
+#include "core/safety/drive_monitor.hpp"
+#include "core/safety/emg_monitor.hpp"
+#include "core/safety/encoder_monitor.hpp"
+#include "core/safety/motion_monitor.hpp"
 #include "core/safety/safety_limiter.hpp"
 #include "core/safety/state_machine.hpp"
+#include "core/safety/warning.hpp"
 #include "core/tick/features.hpp"
 #include "core/tick/front_end.hpp"
 
@@ -39,6 +44,7 @@ struct TickSettings {
   control::ControlGains gains;
   control::ReferenceSettings reference;
   safety::SafetyLimits limits;
+  safety::MonitorSettings monitors;
   int healthy_ticks = 50;  ///< in a row, before the loop is ready
 };
 
@@ -57,6 +63,7 @@ struct TickOutput {
   safety::FaultSet latched;                           ///< that keep the loop stopped
   safety::Fault first_cause = safety::Fault::kCount;  ///< that stopped it; kCount for none
   std::array<safety::LimitSet, kMaxJoints> limits{};  ///< what the limiter held back in this tick
+  safety::WarningSet warnings;
   bool entered_active = false;
   bool entered_stop = false;
   bool estimated = false;    ///< f_s is of a new encoder sample of this tick
@@ -92,6 +99,8 @@ class Tick {
   void estimate(const TickInput& input) noexcept;
   void estimateNetwork(int encoder_steps) noexcept;
   void demand(const TickInput& input) noexcept;
+  safety::FaultSet monitor(const TickInput& input) noexcept;
+  const JointVector& compensated() noexcept;
   void decide(const TickInput& input) noexcept;
   void restart() noexcept;
   void forget() noexcept;
@@ -105,6 +114,11 @@ class Tick {
   emg::EmgChain emg_;
   control::ControlLaw control_;
   control::ReferenceTrajectory reference_;
+  safety::EncoderMonitor encoder_monitor_;
+  safety::DriveMonitor drive_monitor_;
+  safety::EmgMonitor emg_monitor_;
+  safety::MotionMonitor motion_monitor_;
+  safety::NetworkMonitor network_monitor_;
   safety::SafetyLimiter limiter_;
   safety::StateMachine states_;
 
@@ -113,6 +127,9 @@ class Tick {
   std::vector<double> network_input_;
   JointVector network_value_;   ///< of the network's newest step
   int samples_to_network_ = 1;  ///< until its next one
+  bool inconsistent_ = false;   ///< position and rate of the newest sample
+  bool network_trusted_ = true;
+  JointVector nothing_;  ///< zero for every joint
   JointVector last_command_Nm_;
   double active_since_s_ = 0.0;
 };

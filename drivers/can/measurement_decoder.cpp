@@ -29,7 +29,7 @@ std::int64_t roundedRatio(std::int64_t span_ns, std::int64_t period_ns) noexcept
 /// not believed.
 std::int64_t elapsedPeriods(std::int64_t wall_ns, std::int64_t monotonic_ns,
                             std::int64_t period_ns) noexcept {
-  constexpr std::int64_t kClockWasSet_ns = 1'000'000'000;
+  constexpr std::int64_t kClockWasSet_ns = 100'000'000;
   const std::int64_t apart = wall_ns > monotonic_ns ? wall_ns - monotonic_ns : monotonic_ns - wall_ns;
   return roundedRatio(std::max<std::int64_t>(apart > kClockWasSet_ns ? monotonic_ns : wall_ns, 0), period_ns);
 }
@@ -96,6 +96,7 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   }
   measurement_.has_velocity = isBound(Input::kVelocity);
   measurement_.has_drive_torque = isBound(Input::kDriveTorque);
+  measurement_.has_drive_enabled = isBound(Input::kDriveEnabled);
 }
 
 MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Database& database,
@@ -199,25 +200,29 @@ void MeasurementDecoder::accept(const Frame& frame) noexcept {
   Values values;
   if (!readValues(message, frame, values)) {
     ++message.statistics.out_of_range;
-    ++message.implausible_run;
+    message.implausible.count(true, tolerated_);
     return;
   }
-  message.implausible_run = 0;
+  message.implausible.count(false, tolerated_);
   store(message, frame, values);
 }
 
 bool MeasurementDecoder::followSequence(BoundMessage& message, const Frame& frame) noexcept {
-  const FrameCheck check = message.decoder.check(frame);
-  if (check.status == FrameStatus::kCorrupt || check.status == FrameStatus::kTooShort) {
+  const FrameCheck check = message.decoder.check(frame, mostSteps(message, frame));
+  const bool corrupt = check.status == FrameStatus::kCorrupt || check.status == FrameStatus::kTooShort;
+  message.corrupt.count(corrupt, tolerated_);
+  if (corrupt) {
     ++message.statistics.corrupt;
-    ++message.corrupt_run;
     return false;
   }
-  message.corrupt_run = 0;
   const bool in_order = check.sequence == Sequence::kFirst || check.sequence == Sequence::kNew;
-  message.sequence_run = in_order ? 0 : message.sequence_run + 1;
+  message.sequence.count(!in_order, tolerated_);
   if (check.status == FrameStatus::kRepeated) {
     ++message.statistics.repeated;
+    return false;
+  }
+  if (check.status == FrameStatus::kOutOfOrder) {
+    ++message.statistics.reordered;
     return false;
   }
   std::int64_t steps = check.steps;
@@ -241,6 +246,21 @@ bool MeasurementDecoder::followSequence(BoundMessage& message, const Frame& fram
   message.last_wall_ns = frame.wall_ns;
   message.last_monotonic_ns = frame.monotonic_ns;
   return true;
+}
+
+// How far the counter may have gone on since the last frame that was in order. Whatever it shows after a
+// silence as long as the timeout is a new beginning: the sender may have been switched off and on.
+int MeasurementDecoder::mostSteps(const BoundMessage& message, const Frame& frame) const noexcept {
+  constexpr std::int64_t kSlack = 3;  // frames that come in a bunch
+  const int modulus = message.decoder.counterModulus();
+  const std::int64_t silence_ns = frame.monotonic_ns - message.last_monotonic_ns;
+  if (!message.started || silence_ns > message.timeout_ns)
+    return modulus;
+  if (message.period_ns == 0)
+    return modulus / 2;
+  const std::int64_t elapsed =
+      elapsedPeriods(frame.wall_ns - message.last_wall_ns, silence_ns, message.period_ns);
+  return static_cast<int>(std::min<std::int64_t>(elapsed + kSlack, modulus));
 }
 
 bool MeasurementDecoder::readValues(const BoundMessage& message, const Frame& frame,
@@ -356,11 +376,11 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   if (drive_fault_)
     reading.faults.add(safety::Fault::kDriveFault);
   for (const BoundMessage& message : messages_) {
-    if (message.corrupt_run > tolerated_)
+    if (message.corrupt.tooMany(tolerated_))
       reading.faults.add(safety::Fault::kFrameCorrupt);
-    if (message.sequence_run > tolerated_)
+    if (message.sequence.tooMany(tolerated_))
       reading.faults.add(safety::Fault::kFrameSequence);
-    if (message.groups[kEncoder] && message.implausible_run > tolerated_) {
+    if (message.groups[kEncoder] && message.implausible.tooMany(tolerated_)) {
       reading.faults.add(safety::Fault::kEncoderImplausible);
     }
   }

@@ -12,6 +12,7 @@
 #include "core/measurement.hpp"
 #include "core/safety/fault.hpp"
 #include "core/types.hpp"
+#include "drivers/can/bad_frames.hpp"
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/can_frame.hpp"
 #include "drivers/can/dbc.hpp"
@@ -26,6 +27,7 @@ struct MessageStatistics {
   std::uint64_t used = 0;
   std::uint64_t corrupt = 0;       ///< CRC, or too short
   std::uint64_t repeated = 0;      ///< by the counter
+  std::uint64_t reordered = 0;     ///< counter further on than time allows: old, or not the sender's
   std::uint64_t lost = 0;          ///< gaps in the counter
   std::uint64_t out_of_range = 0;  ///< a bound signal out of its declared range, or an implausible position
   std::uint64_t late = 0;          ///< used, but came after its group's timeout
@@ -107,9 +109,7 @@ class MeasurementDecoder {
     std::int64_t used_monotonic_ns = 0;
     bool started = false;  ///< a frame with a valid CRC has come
     bool used = false;     ///< a frame has been used
-    int corrupt_run = 0;
-    int sequence_run = 0;
-    int implausible_run = 0;
+    BadFrames corrupt, sequence, implausible;
     MessageStatistics statistics;
   };
 
@@ -121,6 +121,7 @@ class MeasurementDecoder {
   bool isBound(Input input, std::size_t index) const noexcept;
   bool isBound(Input input) const noexcept { return isBound(input, 0); }
   bool followSequence(BoundMessage& message, const Frame& frame) noexcept;
+  int mostSteps(const BoundMessage& message, const Frame& frame) const noexcept;
   bool readValues(const BoundMessage& message, const Frame& frame, Values& values) const noexcept;
   bool plausiblePosition(const BoundMessage& message, const Frame& frame, std::size_t joint,
                          double position_rad) const noexcept;

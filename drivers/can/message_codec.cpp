@@ -73,7 +73,7 @@ Frame CompiledMessage::blank() const noexcept {
   return frame;
 }
 
-FrameCheck MessageDecoder::check(const Frame& frame) noexcept {
+FrameCheck MessageDecoder::check(const Frame& frame, int most_steps) noexcept {
   const auto ends_before = [&](const CompiledSignal& signal) {
     return signal.presence(frame) == Presence::kTooShort;
   };
@@ -86,11 +86,13 @@ FrameCheck MessageDecoder::check(const Frame& frame) noexcept {
   } else if (crc && crc->rawBits(frame) != frameCrc(frame, layout_.crcByte())) {
     result.status = FrameStatus::kCorrupt;
   } else if (counter) {
-    const SequenceStep step = sequence_.check(counter->rawBits(frame));
+    const SequenceStep step = sequence_.check(counter->rawBits(frame), most_steps);
     result.sequence = step.sequence;
     result.steps = step.steps;
     if (step.sequence == Sequence::kRepeated)
       result.status = FrameStatus::kRepeated;
+    if (step.sequence == Sequence::kImpossible)
+      result.status = FrameStatus::kOutOfOrder;
   }
   return result;
 }

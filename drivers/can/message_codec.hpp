@@ -67,9 +67,10 @@ class CompiledMessage {
 
 enum class FrameStatus : std::uint8_t {
   kUsable,
-  kTooShort,  ///< a signal in use, the counter or the CRC is beyond the frame's end
-  kCorrupt,   ///< CRC does not match
-  kRepeated,  ///< counter as in the frame before
+  kTooShort,    ///< a signal in use, the counter or the CRC is beyond the frame's end
+  kCorrupt,     ///< CRC does not match
+  kRepeated,    ///< counter as in the frame before
+  kOutOfOrder,  ///< counter further on than time allows
 };
 
 struct FrameCheck {
@@ -87,7 +88,8 @@ class MessageDecoder {
   bool matches(const Frame& frame) const noexcept PATELLA_NONBLOCKING { return layout_.matches(frame); }
 
   /// Judges a frame that matches() and follows its counter; call once per frame, in order of arrival.
-  FrameCheck check(const Frame& frame) noexcept PATELLA_NONBLOCKING;
+  /// Counter steps beyond `most_steps` are out of order.
+  FrameCheck check(const Frame& frame, int most_steps = 1 << 16) noexcept PATELLA_NONBLOCKING;
 
   /// Physical value; NaN where absent.
   double value(const Frame& frame, std::size_t slot) const noexcept PATELLA_NONBLOCKING {

@@ -6,10 +6,11 @@
 namespace patella::can {
 
 enum class Sequence : std::uint8_t {
-  kFirst,     ///< nothing to compare with
-  kNew,       ///< one more than before
-  kRepeated,  ///< the same again: the sender, or a gateway, repeats an old frame
-  kJumped,    ///< frames in between are missing
+  kFirst,       ///< nothing to compare with
+  kNew,         ///< one more than before
+  kRepeated,    ///< the same again: the sender, or a gateway, repeats an old frame
+  kJumped,      ///< frames in between are missing
+  kImpossible,  ///< further on than time allows: an old frame, or not the sender's
 };
 
 struct SequenceStep {
@@ -22,10 +23,13 @@ class SequenceCounter {
   /// `bits` from 1 to 16; 4 and 8 are usual.
   constexpr explicit SequenceCounter(int bits) noexcept : mask_((1U << static_cast<unsigned>(bits)) - 1U) {}
 
-  constexpr SequenceStep check(std::uint64_t value) noexcept {
+  /// A step of more than `most` is impossible, and is not followed.
+  constexpr SequenceStep check(std::uint64_t value, int most = 1 << 16) noexcept {
     const auto current = static_cast<std::uint32_t>(value) & mask_;
     const std::uint32_t steps = (current - last_) & mask_;
     const bool first = !started_;
+    if (!first && steps != 0 && static_cast<int>(steps) > most)
+      return {Sequence::kImpossible, 0};
     last_ = current;
     started_ = true;
     if (first)

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/safety/safety_limiter.hpp"
+#include "firmware_app/configuration/monitor_config.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
@@ -180,6 +181,7 @@ void readSafety(const TomlTable& table, RunConfig& config) {
                    limits.saturation_timeout_s);
   config.tick.healthy_ticks =
       static_cast<int>(table.integer("healthy_ticks", 1, 10000, config.tick.healthy_ticks));
+  config.tick.monitors = readMonitors(table, joints);
   config.loop.overruns_tolerated =
       static_cast<int>(table.integer("overruns_tolerated", 0, 100, config.loop.overruns_tolerated));
   config.loop.send_failures_tolerated =

@@ -85,6 +85,7 @@ TEST_CASE("a loop that does allocate is found out") {
 TEST_CASE("Eigen asks for no heap in the loop") {
   app::RunConfig config = test::demonstration(1.0);
   config.weights = test::randomNetwork(2);
+  config.tick.monitors.emg.flat_time_s = 1.0;  // its electrodes hear nothing
   VirtualClock clock;
   const auto tick = app::makeTick(config);
   tick::TickInput input;
@@ -96,6 +97,8 @@ TEST_CASE("Eigen asks for no heap in the loop") {
                               &input.measurement.drive_torque_Nm}) {
     vector->setConstant(2, -0.5);
   }
+  input.measurement.velocity_rad_s.setZero();
+  input.measurement.drive_torque_Nm.setZero();
   const ForbidEigenHeap forbid;
   for (int i = 0; i < 500; ++i) {
     input.measurement.operator_enable = i > 100;
@@ -112,6 +115,7 @@ TEST_CASE("a run in wall-clock time shows no heap operation and no page fault af
   config.realtime.priority = 0;  // punctuality is not the subject, and a test must not starve its neighbours
   config.bus.map.encoder_timeout_s = 1.0;
   config.bus.map.drive_timeout_s = 1.0;
+  config.rig.drive.watchdog_s = 1.0;
   config.loop.overruns_tolerated = 100;
   const std::atomic<bool> stop{false};
   CHECK(app::runLoop(config, folder.path() / "run", stop) == app::RunStatus::kOk);

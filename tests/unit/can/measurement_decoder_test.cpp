@@ -164,15 +164,114 @@ TEST_CASE("encoder steps count sensor periods between complete sets, whatever is
     CHECK(f.statistics("Encoder1").lost == 700);
     CHECK(f.statistics("Encoder1").late == 1);
   }
-  SUBCASE("a restarted encoder's counter does not make later samples look old") {
+  SUBCASE("a restarted encoder is refused until its timeout is over, is a fault, and then looks new") {
     for (int i = 0; i < 57; ++i)
       f.rig.make("Encoder2", 0, {});
-    f.encoders(4 * kMillisecond, 0.0, 0.0);
-    CHECK(f.decoder.finish(4 * kMillisecond).measurement.encoder_steps == 1);
-    f.encoders(5 * kMillisecond, 0.0, 0.0);
-    CHECK(f.decoder.finish(5 * kMillisecond).measurement.encoder_steps == 1);
-    f.decoder.accept(f.rig.make("Encoder1", 6 * kMillisecond, {}));
-    CHECK(f.decoder.finish(6 * kMillisecond).measurement.encoder_steps == 0);
+    for (std::int64_t t = 4; t <= 8; ++t) {
+      f.encoders(t * kMillisecond, 0.0, 0.0);
+      const Reading reading = f.decoder.finish(t * kMillisecond);
+      CHECK(reading.measurement.encoder_steps == 0);
+      CHECK(reading.faults.has(Fault::kFrameSequence) == (t >= 7));
+    }
+    CHECK(f.statistics("Encoder2").reordered == 5);
+    f.encoders(9 * kMillisecond, 0.0, 0.0);
+    CHECK(f.decoder.finish(9 * kMillisecond).measurement.encoder_steps == 6);
+    f.encoders(10 * kMillisecond, 0.0, 0.0);
+    CHECK(f.decoder.finish(10 * kMillisecond).measurement.encoder_steps == 1);
+    f.decoder.accept(f.rig.make("Encoder1", 11 * kMillisecond, {}));
+    CHECK(f.decoder.finish(11 * kMillisecond).measurement.encoder_steps == 0);
+  }
+}
+
+TEST_CASE("a frame that was overtaken, or recorded and played again, changes nothing") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  const Frame old = f.rig.make("Encoder1", kMillisecond, {{"Position", 0.3}});
+  f.decoder.accept(old);
+  for (std::int64_t t = 2; t < 40; ++t) {
+    f.encoders(t * kMillisecond, 0.001 * static_cast<double>(t), 0.0);
+    f.decoder.finish(t * kMillisecond);
+  }
+  Frame replayed = old;
+  replayed.monotonic_ns = 39 * kMillisecond;
+  replayed.wall_ns = kEpoch + replayed.monotonic_ns;
+  f.decoder.accept(replayed);
+  const Reading reading = f.decoder.finish(39 * kMillisecond);
+  CHECK(reading.measurement.position_rad[0] == doctest::Approx(0.039));
+  CHECK(f.statistics("Encoder1").reordered == 1);
+  CHECK_FALSE(reading.faults.any());
+  f.encoders(40 * kMillisecond, 0.04, 0.0);
+  CHECK(f.decoder.finish(40 * kMillisecond).measurement.encoder_steps == 1);
+}
+
+TEST_CASE("frames lost from a bunch that comes late are told by the stamps") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  f.decoder.finish(0);
+  for (int i = 0; i < 10; ++i) {
+    f.rig.make("Encoder1", 0, {});
+    f.rig.make("Encoder2", 0, {});
+  }
+  // Taken off the bus at once, 20 ms late.
+  for (std::int64_t t = 11; t < 20; ++t) {
+    for (const char* name : {"Encoder1", "Encoder2"}) {
+      Frame frame = f.rig.make(name, t * kMillisecond, {});
+      frame.monotonic_ns = 20 * kMillisecond;
+      f.decoder.accept(frame);
+    }
+  }
+  CHECK(f.decoder.finish(20 * kMillisecond).measurement.encoder_steps == 19);
+  CHECK(f.statistics("Encoder1").reordered == 0);
+}
+
+TEST_CASE("one forged frame before each genuine one is found out, though no two in a row are bad") {
+  Fixture f;
+  f.encoders(0, 0.0, 0.0);
+  int detected = 0;
+  for (std::int64_t t = 1; t < 30 && detected == 0; ++t) {
+    Frame genuine = f.rig.make("Encoder1", t * kMillisecond, {});
+    Frame forged = genuine;  // right counter, right CRC
+    f.decoder.accept(forged);
+    f.decoder.accept(genuine);
+    f.decoder.accept(f.rig.make("Encoder2", t * kMillisecond, {}));
+    if (f.decoder.finish(t * kMillisecond).faults.has(Fault::kFrameSequence))
+      detected = static_cast<int>(t);
+  }
+  CHECK(detected > 3);
+  CHECK(detected <= 10);
+}
+
+TEST_CASE("a bad frame now and then is no fault, every fourth is") {
+  for (const int period : {4, 20}) {
+    CAPTURE(period);
+    Fixture f;
+    bool fault = false;
+    for (int t = 0; t < 2000; ++t) {
+      const std::int64_t now = t * kMillisecond;
+      f.encoders(now, 0.0, 0.0);
+      f.others(now);
+      if (t % period == 0) {
+        Frame corrupt = f.rig.make("DriveStatus", now, {});
+        corrupt.data[0] ^= 0x01;
+        f.decoder.accept(corrupt);
+      }
+      fault = fault || f.decoder.finish(now).faults.has(Fault::kFrameCorrupt);
+    }
+    CHECK(fault == (period == 4));
+  }
+}
+
+TEST_CASE("a wall clock that is set by half a second makes no half second pass") {
+  Fixture f;
+  std::int64_t set_ns = 0;
+  for (std::int64_t t = 0; t < 20; ++t) {
+    set_ns = t >= 10 ? 500 * kMillisecond : 0;
+    for (const char* name : {"Encoder1", "Encoder2"}) {
+      Frame frame = f.rig.make(name, t * kMillisecond, {});
+      frame.wall_ns += set_ns;
+      f.decoder.accept(frame);
+    }
+    CHECK(f.decoder.finish(t * kMillisecond).measurement.encoder_steps == 1);
   }
 }
 

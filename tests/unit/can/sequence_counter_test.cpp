@@ -22,6 +22,10 @@ TEST_CASE("a counter tells new, repeated and missing frames apart, across its wr
     CHECK(jumped.sequence == Sequence::kJumped);
     CHECK(jumped.steps == 5);
     CHECK(counter.check(4).steps == counter.modulus() - 1);
+    // Further on than it may be: not followed.
+    CHECK(counter.check(4 + 3, 2).sequence == Sequence::kImpossible);
+    CHECK(counter.check(4 + 2, 2).steps == 2);
+    CHECK(counter.check(4 + 2, 2).sequence == Sequence::kRepeated);
     counter.reset();
     CHECK(counter.check(4).sequence == Sequence::kFirst);
   }

@@ -1,0 +1,46 @@
+// Do the drives do what they are told?
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/measurement.hpp"
+#include "core/safety/fault.hpp"
+#include "core/safety/monitor_settings.hpp"
+#include "core/safety/persistence.hpp"
+#include "core/safety/safety_limiter.hpp"
+
+namespace patella::safety {
+
+/// A report must lie within the span of the commands of the last response_s, widened by a tolerance: whatever
+/// delay or lag shorter than that the drives have. Torque above the limit is judged on its own and sooner.
+class DriveMonitor {
+ public:
+  /// `period_s` between two ticks. Throws std::invalid_argument where response_s holds too many of them.
+  DriveMonitor(int joints, const DriveMonitorSettings& settings, const SafetyLimits& limits, double period_s);
+
+  /// Every tick, with what the drives report in it: kDriveNotFollowing, kDriveOverTorque.
+  FaultSet update(const Measurement& measurement) noexcept PATELLA_NONBLOCKING;
+  /// The command of this tick.
+  void commanded(const Command& command) noexcept PATELLA_NONBLOCKING;
+
+ private:
+  struct Sent {
+    JointVector torque_Nm;
+    bool enable = false;
+  };
+
+  bool follows(const Measurement& measurement) const noexcept;
+  bool over(const Measurement& measurement) const noexcept;
+
+  int joints_;
+  DriveMonitorSettings settings_;
+  double period_s_;
+  PerJoint tolerance_Nm_{}, ceiling_Nm_{};
+  std::vector<Sent> sent_;  ///< the newest response_s of commands, as a ring
+  std::size_t next_ = 0;
+  Persistence not_following_, over_;
+};
+
+}  // namespace patella::safety

@@ -1,0 +1,72 @@
+#include "core/safety/emg_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace patella::safety {
+
+EmgMonitor::EmgMonitor(const EmgMonitorSettings& settings, const std::array<bool, kMaxEmgChannels>& used,
+                       double rate_Hz, double mains_Hz) noexcept
+    : settings_(settings),
+      used_(used),
+      period_s_(1.0 / rate_Hz),
+      mains_rad_s_(2.0 * std::numbers::pi * (mains_Hz > 0.0 ? mains_Hz : 50.0)) {
+  for (Channel& channel : channels_) {
+    channel.hum = Persistence(settings.hum_time_s);
+  }
+}
+
+FaultSet EmgMonitor::update(const EmgArray& sample_mV, int steps) noexcept PATELLA_NONBLOCKING {
+  if (steps <= 0) {
+    return faults_;
+  }
+  const double dt_s = steps * period_s_;
+  phase_rad_ = std::fmod(phase_rad_ + mains_rad_s_ * dt_s, 2.0 * std::numbers::pi);
+  faults_ = {};
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (!used_[i] || !std::isfinite(sample_mV[i])) {
+      continue;
+    }
+    Channel& channel = channels_[i];
+    if (!started_) {
+      channel.lowest_mV = channel.highest_mV = sample_mV[i];
+    }
+    faults_ = faults_ | judge(channel, sample_mV[i], dt_s);
+  }
+  started_ = true;
+  return faults_;
+}
+
+FaultSet EmgMonitor::judge(Channel& channel, double sample_mV, double dt_s) const noexcept {
+  FaultSet faults;
+  const bool saturated = std::abs(sample_mV) >= settings_.saturation_mV;
+
+  channel.lowest_mV = std::min(channel.lowest_mV, sample_mV);
+  channel.highest_mV = std::max(channel.highest_mV, sample_mV);
+  channel.still_s += dt_s;
+  if (channel.highest_mV - channel.lowest_mV > settings_.flat_mV) {
+    channel.lowest_mV = channel.highest_mV = sample_mV;
+    channel.still_s = 0.0;
+  }
+  if (channel.still_s > settings_.flat_time_s + kTimeSlack_s && !saturated) {
+    faults.add(Fault::kEmgElectrodeOff);
+  }
+
+  channel.saturated_s =
+      std::clamp(channel.saturated_s + (saturated ? dt_s : -dt_s), 0.0, 2.0 * settings_.saturation_time_s);
+  if (channel.saturated_s > settings_.saturation_time_s + kTimeSlack_s) {
+    faults.add(Fault::kEmgSaturated);
+  }
+
+  const double share = std::min(dt_s / kHumFilter_s, 1.0);
+  channel.real_mV += share * (sample_mV * std::cos(phase_rad_) - channel.real_mV);
+  channel.imaginary_mV += share * (sample_mV * std::sin(phase_rad_) - channel.imaginary_mV);
+  const double amplitude_mV = 2.0 * std::hypot(channel.real_mV, channel.imaginary_mV);
+  if (channel.hum.update(amplitude_mV > settings_.hum_mV, dt_s)) {
+    faults.add(Fault::kEmgHum);
+  }
+  return faults;
+}
+
+}  // namespace patella::safety

@@ -1,0 +1,13 @@
+// The parts [safety.encoder], [safety.motion], [safety.drive], [safety.emg] and [safety.network] of the
+// configuration: what counts as plausible.
+#pragma once
+
+#include "core/safety/monitor_settings.hpp"
+#include "firmware_app/files/toml_table.hpp"
+
+namespace patella::app {
+
+/// `safety` is the table [safety]; what is absent has its default. Throws FileError.
+safety::MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints);
+
+}  // namespace patella::app

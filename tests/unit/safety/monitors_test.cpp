@@ -1,0 +1,327 @@
+// What each monitor finds implausible, how soon, and what it lets pass.
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+#include "core/safety/drive_monitor.hpp"
+#include "core/safety/emg_monitor.hpp"
+#include "core/safety/encoder_monitor.hpp"
+#include "core/safety/motion_monitor.hpp"
+
+using namespace patella;
+using namespace patella::safety;
+
+namespace {
+
+constexpr double kTick_s = 1e-3;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+JointVector pair(double first, double second) {
+  JointVector v(2);
+  v << first, second;
+  return v;
+}
+
+SafetyLimits limits() {
+  SafetyLimits limits;
+  for (JointLimits& joint : limits.joint) {
+    joint.torque_Nm = 100.0;
+  }
+  return limits;
+}
+
+}  // namespace
+
+TEST_CASE("a condition counts once it has lasted longer than the time") {
+  Persistence three(0.003);
+  CHECK_FALSE(three.update(true, kTick_s));
+  CHECK_FALSE(three.update(true, kTick_s));
+  CHECK_FALSE(three.update(true, kTick_s));
+  CHECK(three.update(true, kTick_s));
+  CHECK_FALSE(three.update(false, kTick_s));
+  CHECK_FALSE(three.update(true, kTick_s));
+  Persistence at_once(0.0);
+  CHECK(at_once.update(true, kTick_s));
+}
+
+TEST_CASE("encoder and rate: any smooth motion is consistent; jump, drift, freeze and a wrong rate are not") {
+  const auto detectedAfter = [](double jump_rad, double drift_rad_s, bool freeze, double rate_gain) {
+    EncoderMonitor monitor(2, {});
+    double frozen = 0.0;
+    for (int k = 0; k < 3000; ++k) {
+      const double t = k * kTick_s;
+      const bool faulty = k >= 1000;
+      double q = 0.5 * std::sin(6.0 * t);
+      const double dq = 3.0 * std::cos(6.0 * t);
+      if (k == 1000) {
+        frozen = q;
+      }
+      q = faulty ? (freeze ? frozen : q + jump_rad + drift_rad_s * (t - 1.0)) : q;
+      if (monitor.update(pair(0.1, q), pair(0.0, faulty ? rate_gain * dq : dq), kTick_s)) {
+        return k - 1000;
+      }
+    }
+    return -1;
+  };
+  CHECK(detectedAfter(0.0, 0.0, false, 1.0) == -1);
+  CHECK(detectedAfter(0.0205, 0.0, false, 1.0) == 0);
+  CHECK(detectedAfter(-0.0205, 0.0, false, 1.0) == 0);
+  CHECK(detectedAfter(0.0195, 0.0, false, 1.0) == -1);
+  CHECK(detectedAfter(0.0, 0.15, false, 1.0) == -1);  // 0.15 T < 0.02
+  const int drift = detectedAfter(0.0, 1.0, false, 1.0);
+  CHECK(drift > 15);
+  CHECK(drift < 30);
+  const int freeze = detectedAfter(0.0, 0.0, true, 1.0);
+  CHECK(freeze > 0);
+  CHECK(freeze < 20);
+  CHECK(detectedAfter(0.0, 0.0, false, 0.0) > 0);
+}
+
+TEST_CASE("the encoder's monitor starts anew after what is no number, and after a silence") {
+  EncoderMonitor monitor(2, {});
+  CHECK_FALSE(monitor.update(pair(0.0, 0.0), pair(0.0, 0.0), kTick_s));
+  CHECK_FALSE(monitor.update(pair(kNaN, 0.0), pair(0.0, 0.0), kTick_s));
+  CHECK_FALSE(monitor.update(pair(1.0, 0.0), pair(0.0, 0.0), kTick_s));
+  CHECK_FALSE(monitor.update(pair(2.0, 0.0), pair(0.0, 0.0), 0.021));
+  CHECK(monitor.update(pair(2.5, 0.0), pair(0.0, 0.0), 0.019));
+}
+
+namespace {
+
+// A drive of its own mind, a tick a step.
+class DrivePair {
+ public:
+  explicit DrivePair(const DriveMonitorSettings& settings = {}) : monitor_(2, settings, limits(), kTick_s) {
+    report.has_drive_torque = true;
+    report.has_drive_enabled = true;
+    report.drive_torque_Nm = pair(0.0, 0.0);
+    command.torque_Nm = pair(0.0, 0.0);
+  }
+  /// Follows commands `delay` ticks later, unless `stuck`.
+  FaultSet step(double torque_Nm, bool enable = true) {
+    const FaultSet faults = monitor_.update(report);
+    command.torque_Nm = pair(torque_Nm, 0.0);
+    command.enable = enable;
+    monitor_.commanded(command);
+    return faults;
+  }
+  /// Ticks until the fault, at most 200.
+  int until(Fault fault, double torque_Nm, bool enable = true) {
+    for (int k = 0; k < 200; ++k) {
+      if (step(torque_Nm, enable).has(fault)) {
+        return k;
+      }
+    }
+    return -1;
+  }
+  Measurement report;
+  Command command;
+
+ private:
+  DriveMonitor monitor_;
+};
+
+}  // namespace
+
+TEST_CASE("a drive that follows late but in time is in order; one that does not is not") {
+  DrivePair drive;
+  drive.report.drive_enabled = true;
+  double before = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    const double torque = 80.0 * std::sin(0.05 * k);  // 4 N·m a tick
+    drive.report.drive_torque_Nm[0] = before;
+    CHECK_FALSE(drive.step(torque).any());
+    before = torque;
+  }
+  drive.report.drive_torque_Nm[0] = 0.0;
+  const int stuck = drive.until(Fault::kDriveNotFollowing, 50.0);
+  CHECK(stuck > 20);
+  CHECK(stuck <= 42);  // response and time
+}
+
+TEST_CASE("torque without a command, and a drive that stays enabled or disabled against its command") {
+  SUBCASE("pushes while disabled") {
+    DrivePair drive;
+    drive.report.drive_torque_Nm[1] = 8.5;
+    CHECK(drive.until(Fault::kDriveNotFollowing, 0.0, false) == 20);
+  }
+  SUBCASE("within the tolerance") {
+    DrivePair drive;
+    drive.report.drive_torque_Nm[1] = 7.5;
+    CHECK(drive.until(Fault::kDriveNotFollowing, 0.0, false) == -1);
+  }
+  SUBCASE("torque of a command that did not enable is none") {
+    DrivePair drive;
+    drive.report.drive_torque_Nm[0] = 50.0;
+    CHECK(drive.until(Fault::kDriveNotFollowing, 50.0, false) == 20);
+  }
+  SUBCASE("stays enabled") {
+    DrivePair drive;
+    drive.report.drive_enabled = true;
+    CHECK(drive.until(Fault::kDriveNotFollowing, 0.0, false) == 20);
+  }
+  SUBCASE("does not enable") {
+    DrivePair drive;
+    const int ticks = drive.until(Fault::kDriveNotFollowing, 0.0, true);
+    CHECK(ticks > 20);
+    CHECK(ticks <= 42);
+  }
+  SUBCASE("not bound, not asked") {
+    DrivePair drive;
+    drive.report.has_drive_enabled = false;
+    drive.report.has_drive_torque = false;
+    drive.report.drive_torque_Nm[0] = 500.0;
+    CHECK(drive.until(Fault::kDriveNotFollowing, 0.0, true) == -1);
+  }
+  SUBCASE("switched off") {
+    DrivePair drive({.enabled = false});
+    drive.report.drive_torque_Nm[0] = 500.0;
+    CHECK(drive.until(Fault::kDriveNotFollowing, 0.0, true) == -1);
+  }
+}
+
+TEST_CASE("torque above the limit is found within three reports, in either direction") {
+  for (const double sign : {1.0, -1.0}) {
+    DrivePair drive;
+    drive.report.drive_torque_Nm[0] = sign * 109.0;
+    CHECK(drive.until(Fault::kDriveOverTorque, sign * 100.0) == -1);
+    drive.report.drive_torque_Nm[0] = sign * 111.0;
+    CHECK(drive.until(Fault::kDriveOverTorque, sign * 100.0) == 2);
+    drive.report.drive_torque_Nm[0] = kNaN;
+    CHECK(drive.step(0.0).has(Fault::kDriveOverTorque));
+  }
+}
+
+namespace {
+
+constexpr std::array<bool, kMaxEmgChannels> kSecond = {false, true, false, false};
+
+// Ticks until `fault` with signal(k) on the second electrode; at most 5000.
+template <typename Signal>
+int emgUntil(Fault fault, Signal&& signal, const std::array<bool, kMaxEmgChannels>& used = kSecond) {
+  EmgMonitor monitor({}, used, 1000.0, 50.0);
+  for (int k = 0; k < 5000; ++k) {
+    if (monitor.update({0.0, signal(k), 0.0, 0.0}, 1).has(fault)) {
+      return k;
+    }
+  }
+  return -1;
+}
+
+// Noise of 0.2 mV rms or so, the same everywhere.
+double muscle(int k) {
+  return 0.28 * std::sin(12.9898 * k * k + 78.233 * k);
+}
+
+}  // namespace
+
+TEST_CASE("muscle, and moderate hum, are in order") {
+  const auto signal = [](int k) { return muscle(k) + 0.1 * std::sin(0.1 * std::numbers::pi * k); };
+  for (const Fault fault : {Fault::kEmgElectrodeOff, Fault::kEmgSaturated, Fault::kEmgHum}) {
+    CHECK(emgUntil(fault, signal) == -1);
+  }
+}
+
+TEST_CASE("an electrode that stands still is off, and only one that is used") {
+  CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int k) { return k < 1000 ? muscle(k) : 0.3; }) == 1501);
+  CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int) { return 0.0; }) == 500);
+  CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int k) { return k % 2 == 0 ? 0.0 : 0.00075; }) == 500);
+  CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int k) { return k % 2 == 0 ? 0.0 : 0.0015; }) == -1);
+  CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int) { return 0.0; }, {true, false, true, true}) == 500);
+  CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int) { return 0.0; }, {}) == -1);
+}
+
+TEST_CASE("an electrode at the end of its range is saturated") {
+  CHECK(emgUntil(Fault::kEmgSaturated, [](int k) { return k < 100 ? muscle(k) : 1.5; }) == 120);
+  CHECK(emgUntil(Fault::kEmgSaturated, [](int k) { return k < 100 ? muscle(k) : -1.5; }) == 120);
+  CHECK(emgUntil(Fault::kEmgSaturated, [](int k) { return k % 2 == 0 ? 1.5 : 0.0; }) == -1);
+  CHECK(emgUntil(Fault::kEmgSaturated, [](int) { return 1.49; }) == -1);
+}
+
+TEST_CASE("mains hum is told from muscle by its frequency") {
+  const auto hum = [](double amplitude_mV, double frequency_Hz) {
+    return emgUntil(Fault::kEmgHum, [=](int k) {
+      const double t = k * kTick_s;
+      return muscle(k) +
+             (k < 1000 ? 0.0 : amplitude_mV * std::sin(2.0 * std::numbers::pi * frequency_Hz * t));
+    });
+  };
+  const int at_mains = hum(1.0, 50.0);
+  CHECK(at_mains > 1200);
+  CHECK(at_mains < 1300);
+  CHECK(hum(0.25, 50.0) == -1);
+  CHECK(hum(1.0, 80.0) == -1);
+}
+
+TEST_CASE("torque that nothing explains, and distance from the reference, count after their times") {
+  const std::array<bool, kMaxJoints> stiff = {true, false};
+  MotionMonitor monitor(2, {}, limits(), stiff);
+  const auto until = [&](Fault fault, const JointVector& unknown_Nm, const JointVector& error_rad) {
+    monitor.reset();
+    for (int k = 0; k < 500; ++k) {
+      if (monitor.update(unknown_Nm, error_rad, kTick_s).has(fault)) {
+        return k;
+      }
+    }
+    return -1;
+  };
+  CHECK(until(Fault::kModelMismatch, pair(0.0, -101.0), pair(0.0, 0.0)) == 50);
+  CHECK(until(Fault::kModelMismatch, pair(99.0, 0.0), pair(0.0, 0.0)) == -1);
+  CHECK(until(Fault::kModelMismatch, pair(kNaN, 0.0), pair(0.0, 0.0)) == 50);
+  CHECK(until(Fault::kFollowingError, pair(0.0, 0.0), pair(-0.61, 0.0)) == 200);
+  CHECK(until(Fault::kFollowingError, pair(0.0, 0.0), pair(0.59, 0.0)) == -1);
+  CHECK(until(Fault::kFollowingError, pair(0.0, 0.0), pair(0.0, 3.0)) == -1);  // goes where the patient goes
+  MotionMonitor strict(2, {.unknown_torque_Nm = {10.0, 10.0}}, limits(), stiff);
+  bool found = false;
+  for (int k = 0; k < 60; ++k) {
+    found = found || strict.update(pair(11.0, 0.0), pair(0.0, 0.0), kTick_s).has(Fault::kModelMismatch);
+  }
+  CHECK(found);
+}
+
+TEST_CASE("a network that contradicts the observer is not listened to until it is reset") {
+  NetworkMonitor monitor(2, {}, limits());
+  for (int k = 0; k < 100; ++k) {
+    CHECK(monitor.trusted(pair(24.0, -24.0), kTick_s));
+  }
+  for (int k = 0; k < 20; ++k) {
+    CHECK(monitor.trusted(pair(0.0, -26.0), kTick_s));
+  }
+  CHECK_FALSE(monitor.trusted(pair(0.0, -26.0), kTick_s));
+  CHECK_FALSE(monitor.trusted(pair(0.0, 0.0), kTick_s));
+  monitor.reset();
+  CHECK(monitor.trusted(pair(0.0, 0.0), kTick_s));
+  CHECK_FALSE(monitor.trusted(pair(0.0, kNaN), kTick_s));
+  CHECK_FALSE(monitor.trusted(pair(0.0, 0.0), kTick_s));
+}
+
+TEST_CASE("no monitor can be set so that it does not watch") {
+  const auto refused = [](auto change) {
+    MonitorSettings settings;
+    change(settings);
+    CHECK_THROWS_AS(requireSound(settings), std::invalid_argument);
+  };
+  CHECK_NOTHROW(requireSound({}));
+  refused([](auto& s) { s.encoder.inconsistency_rad = 1.01 * kCeilingInconsistency_rad; });
+  refused([](auto& s) { s.encoder.inconsistency_rad = kNaN; });
+  refused([](auto& s) { s.encoder.consistency_time_s = 1.01 * kCeilingConsistencyTime_s; });
+  refused([](auto& s) { s.motion.unknown_torque_Nm[1] = 1.01 * kCeilingUnknownTorque_Nm; });
+  refused([](auto& s) { s.motion.unknown_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.motion.following_rad[0] = 1.01 * kCeilingFollowing_rad; });
+  refused([](auto& s) { s.motion.following_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.drive.follow_tolerance = 1.01 * kCeilingFollowTolerance; });
+  refused([](auto& s) { s.drive.response_s = 0.051; });
+  refused([](auto& s) { s.drive.follow_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.drive.over_tolerance = 1.01 * kCeilingOverTolerance; });
+  refused([](auto& s) { s.drive.over_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.emg.flat_mV = -1.0; });
+  refused([](auto& s) { s.emg.flat_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.emg.saturation_mV = 1.01 * kCeilingEmg_mV; });
+  refused([](auto& s) { s.emg.saturation_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.emg.hum_mV = 1.01 * kCeilingEmg_mV; });
+  refused([](auto& s) { s.emg.hum_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.network.disagreement_Nm[0] = 1.01 * kCeilingDisagreement_Nm; });
+  refused([](auto& s) { s.network.disagreement_time_s = 1.01 * kCeilingMonitorTime_s; });
+}
