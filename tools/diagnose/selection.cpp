@@ -31,6 +31,9 @@ constexpr double kNestedEvidence = 3.84;
 /// Of the mean square that is left of a joint's torque, what an effect has to explain: less is nothing that
 /// anyone would miss, however sure it is.
 constexpr double kLeastShare = 0.03;
+/// Squared standard deviations. Damping that the model declares, or its masses, may have moved to make up for
+/// what is missing, so that little is left to explain.
+constexpr double kMaterialRelief = 4.0;
 constexpr double kLeastStability = 0.8;
 constexpr double kCrossValidationErrors = 1.5;
 constexpr int kRivalReplicates = 99;
@@ -144,8 +147,15 @@ class Selector {
     return share;
   }
 
+  // What was known beforehand speaks against a fit by so many squared standard deviations less.
+  double reliefOf(const ModelFit& larger) const {
+    return (result_.fit.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
+           std::pow(larger.prior_scale, 2);
+  }
+
   std::string gate(const Candidate& candidate, double p_value) const {
-    if (options_.gates.share && shareOf(*candidate.fit) < kLeastShare) {
+    if (options_.gates.share && shareOf(*candidate.fit) < kLeastShare &&
+        reliefOf(*candidate.fit) < kMaterialRelief) {
       return "too little";
     }
     if (options_.gates.chance && p_value >= options_.family_wise_p) {

@@ -154,7 +154,7 @@ TEST_CASE("weights of another network") {
 
 TEST_CASE("a sound network that does not fit this loop") {
   NetworkWeights slow = tinyNetwork({"q1_rad", "q2_rad"}, 2);
-  slow.rate_Hz = 500.0;
+  slow.rate_Hz = 700.0;
   expectRefused({
       {"unknown feature",
        network(tinyNetwork({"q1_rad", "knee_angle"}, 2)),
@@ -166,7 +166,7 @@ TEST_CASE("a sound network that does not fit this loop") {
        kUseThem},
       {"trained at another rate",
        network(slow),
-       {"tiny.safetensors: ", "rate_Hz", "500", "expected 1000"},
+       {"tiny.safetensors: ", "rate_Hz", "700", "expected 1000"},
        kUseThem},
   });
 }
