@@ -115,6 +115,8 @@ TEST_CASE("a run in wall-clock time shows no heap operation and no page fault af
   config.realtime.priority = 0;  // punctuality is not the subject, and a test must not starve its neighbours
   config.bus.map.encoder_timeout_s = 1.0;
   config.bus.map.drive_timeout_s = 1.0;
+  config.bus.map.emg_timeout_s = 1.0;
+  config.tick.monitors.emg.hum_time_s = 1.0;
   config.rig.drive.watchdog_s = 1.0;
   config.loop.overruns_tolerated = 100;
   const std::atomic<bool> stop{false};
