@@ -27,15 +27,15 @@ void checkOptions(const GpiodPinsOptions& options) {
   }
 }
 
-std::string devicePath(const std::string& chip) {
+}  // namespace
+
+std::string chipPath(const std::string& chip) {
   return chip.find('/') == std::string::npos ? "/dev/" + chip : chip;
 }
 
-}  // namespace
-
 GpiodPins::GpiodPins(const GpiodPinsOptions& options) {
   checkOptions(options);
-  const std::string chip = devicePath(options.chip);
+  const std::string chip = chipPath(options.chip);
   // Outputs first: from here on the drive is held off whatever level the line floated at.
   if (options.drive_enable_line >= 0) {
     drive_enable_.emplace(GpiodLine::requestOutput(chip, options.drive_enable_line));

@@ -23,6 +23,9 @@ struct GpiodPinsOptions {
   Bias emergency_stop_bias = Bias::kPullDown;
 };
 
+/// Path of a chip that is given by path or by its name within /dev.
+std::string chipPath(const std::string& chip);
+
 /// Outputs start low and are set low again, drive enable first, when the object goes. Each call in the loop
 /// is one ioctl (the emergency stop: and one read of a non-blocking descriptor), without heap use; the chip
 /// must be one whose lines do not sleep (memory-mapped, not behind I²C or SPI).

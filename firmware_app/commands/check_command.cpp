@@ -39,7 +39,7 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   needs.bitrate = config.can_bitrate;
   if (config.backend.kind == BackendKind::kCan) {
     needs.can_interface = config.backend.target;
-    needs.gpio_chip = config.gpio ? config.gpio->chip : "";
+    needs.gpio_chip = config.gpio ? gpio::chipPath(config.gpio->chip) : "";
   }
   fmt::print("host\n");
   const std::vector<Finding> findings = hostReadiness(needs);

@@ -73,6 +73,8 @@ void readControllerAttribute(CanInterface& found, int type, const char* payload,
     found.bitrate = valueOf<can_bittiming>(payload, bytes).bitrate;
   } else if (type == IFLA_CAN_DATA_BITTIMING) {
     found.data_bitrate = valueOf<can_bittiming>(payload, bytes).bitrate;
+  } else if (type == IFLA_CAN_RESTART_MS) {
+    found.restart_ms = valueOf<std::uint32_t>(payload, bytes);
   } else if (type == IFLA_CAN_STATE) {
     found.state = valueOf<std::uint32_t>(payload, bytes);
   }

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "firmware_app/realtime/can_interface.hpp"
+#include "firmware_app/realtime/interrupt_findings.hpp"
 
 namespace patella::app {
 
@@ -149,6 +150,12 @@ void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
         "can_bitrate", kRequired, interface->bitrate == needs.bitrate, std::to_string(interface->bitrate),
         rate, "ip link set " + name + " down; ip link set " + name + " up type can bitrate " + rate));
   }
+  if (interface->kind == "can") {
+    const std::string restart = std::to_string(interface->restart_ms);
+    findings.push_back(finding(
+        "can_restart_ms", kAdvised, interface->restart_ms != 0, restart, "not 0: back from bus-off by itself",
+        "ip link set " + name + " down; ip link set " + name + " up type can restart-ms 100"));
+  }
   findings.push_back(finding("can_txqueuelen", kRequired, interface->txqueuelen <= kLongestCanQueue,
                              std::to_string(interface->txqueuelen),
                              "at most " + std::to_string(kLongestCanQueue),
@@ -183,6 +190,8 @@ std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host
       swapFinding(host),
       clockSourceFinding(host),
   };
+  const std::vector<Finding> interrupts = interruptFindings(needs, host);
+  findings.insert(findings.end(), interrupts.begin(), interrupts.end());
   if (!needs.can_interface.empty()) {
     addCanFindings(findings, needs);
   }

@@ -36,6 +36,9 @@ class FakeHost {
     put("sys/devices/system/cpu/nohz_full", "1,3\n");
     put("sys/devices/system/clocksource/clocksource0/current_clocksource", "tsc\n");
     put("dev/cpu_dma_latency", "");
+    put("proc/irq/17/smp_affinity_list", "0,2\n");
+    put("proc/irq/17/can0/x", "");
+    put("proc/irq/18/smp_affinity_list", "0-3\n");  // without a handler
   }
   ~FakeHost() { fs::remove_all(root_); }
   FakeHost(const FakeHost&) = delete;
@@ -222,4 +225,34 @@ TEST_CASE("a virtual CAN interface is recognised" *
   CHECK(named(findings, "can_kernel").ok);
   CHECK(named(findings, "can_up").ok);
   CHECK(named(findings, "can_interface").found == name + " (vcan)");
+}
+
+TEST_CASE("interrupts on the loop's processor are counted, those without a handler are not") {
+  const FakeHost host;
+  CHECK(check(host, "irq_affinity", boundTo({1, 3})).ok);
+  Finding one = check(host, "irq_affinity", boundTo({2}));
+  CHECK_FALSE(one.ok);
+  CHECK_FALSE(one.required);
+  CHECK(one.found == "1 of 1 interrupts may run on 2");
+  CHECK_FALSE(check(host, "irq_affinity").ok);
+}
+
+TEST_CASE("the CAN interface's interrupt thread has to come before the loop") {
+  const FakeHost host;
+  HostNeeds needs;
+  needs.can_interface = "can0";
+  const auto absent = hostReadiness(needs, host.files());
+  CHECK(std::none_of(absent.begin(), absent.end(),
+                     [](const Finding& one) { return one.name == "can_irq_priority"; }));
+
+  const std::string before =
+      "99 (irq/17-can0) S 2 0 0 0 -1 2129984 0 0 0 0 0 0 0 0 -51 0 1 0 90 0 0 "
+      "18446744073709551615 0 0 0 0 0 0 0 2147483647 0 0 0 0 17 0 ";
+  host.put("proc/99/stat", before + "50 1 0 0 0 0 0 0 0 0 0 0 0\n");
+  Finding one = check(host, "can_irq_priority", needs);
+  CHECK_FALSE(one.ok);
+  CHECK(one.found == "50");
+  CHECK(one.expected == "above 80, the loop's");
+  host.put("proc/99/stat", before + "85 1 0 0 0 0 0 0 0 0 0 0 0\n");
+  CHECK(check(host, "can_irq_priority", needs).ok);
 }
