@@ -15,6 +15,7 @@
 #include "drivers/can/socketcan_bus.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/realtime/service_notifier.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
 #include "sim/loop_faults.hpp"
@@ -88,6 +89,7 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
   std::unique_ptr<RealtimeSetup> setup;
   std::exception_ptr failure;
   std::atomic<bool> finished{false};
+  ServiceNotifier service_manager;
   std::thread thread([&] {
     try {
       RealtimeOptions options = config.realtime;
@@ -108,6 +110,7 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
   auto shown = std::chrono::steady_clock::now();
   while (!finished.load(std::memory_order_acquire)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    service_manager.progress(recorder.writtenTicks(), std::chrono::steady_clock::now());
     if (on_terminal && std::chrono::steady_clock::now() - shown > kProgressPeriod) {
       shown = std::chrono::steady_clock::now();
       const double time_s = static_cast<double>(recorder.writtenTicks()) / config.loop.rate_Hz;
@@ -116,6 +119,7 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
     }
   }
   thread.join();
+  service_manager.stopping();
   if (on_terminal) {
     fmt::print(stderr, "\r{:40}\r", "");
   }
