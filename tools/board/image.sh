@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes what the emulated board boots from the distribution's packages, unpacked and never installed: an arm64 kernel
-# and an initramfs with busybox, ip, can-utils, rt-tests and the kernel modules of CAN. Downloads and results are kept.
+# and an initramfs with busybox, ip, can-utils, chrt, cyclictest and the kernel modules of CAN. Downloads and results are kept.
 #
 #   tools/board/image.sh rt|plain [--refresh]
 #
@@ -21,7 +21,7 @@ cache=${PATELLA_BOARD_CACHE:-$here/../../build/board}
 mkdir -p "$cache/packages"
 cache=$(cd "$cache" && pwd)
 result=$cache/$kernel
-programs=(busybox-static can-utils iproute2 rt-tests)
+programs=(busybox-static can-utils iproute2 rt-tests util-linux)
 modules=(can-raw vcan kvaser_pci)
 
 unavailable() {
@@ -96,7 +96,7 @@ mkdir -p "$root"/{bin,dev,etc,lib,proc,run,sbin,sys,tmp,usr/bin,usr/sbin}
 install -m 755 "$here/guest/init" "$root/init"
 cp "$work"/packages/bin/busybox "$root/bin/"
 cp "$work"/packages/bin/ip "$root/usr/sbin/ip"
-for program in candump cangen canplayer cansend log2asc cyclictest; do
+for program in candump cangen canplayer cansend chrt cyclictest log2asc; do
   cp "$work/packages/usr/bin/$program" "$root/usr/bin/"
 done
 PATH=$PATH:/usr/sbin:/sbin
