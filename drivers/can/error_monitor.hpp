@@ -18,6 +18,9 @@ inline constexpr std::uint32_t kErrorsOfInterest =
 
 class ErrorMonitor {
  public:
+  /// Called before the frames of a tick are taken.
+  void beginReceive() noexcept { reported_ = false; }
+
   /// Takes every frame received, error report or not. A data frame from another node proves the bus alive.
   void observe(const Frame& frame, BusStatistics& statistics) noexcept {
     if (frame.own)
@@ -33,15 +36,20 @@ class ErrorMonitor {
     if ((frame.id & kErrorBusOff) != 0) {
       ++statistics.bus_off;
       bus_off_ = true;
+      reported_ = true;
     }
     if ((frame.id & kErrorRestarted) != 0)
       bus_off_ = false;
   }
 
   bool busOff() const noexcept { return bus_off_; }
+  /// Off now, or at any time since beginReceive(): what was queued when the controller left the bus is lost,
+  /// even if other nodes are heard again within the same tick.
+  bool wasOff() const noexcept { return bus_off_ || reported_; }
 
  private:
   bool bus_off_ = false;
+  bool reported_ = false;
 };
 
 }  // namespace patella::can

@@ -50,6 +50,7 @@ std::size_t ReplayBus::deliver(std::span<Frame> frames, std::size_t end, std::in
 
 std::size_t ReplayBus::receive(std::span<Frame> frames, std::int64_t now_ns) noexcept {
   const bool new_tick = !start_ns_ || now_ns != tick_ns_;
+  errors_.beginReceive();
   if (!start_ns_)
     start_ns_ = now_ns;
   tick_ns_ = now_ns;

@@ -42,7 +42,7 @@ class ReplayBus final : public Bus {
   /// Stamps the frame with `now_ns` and the recorded command's wall stamp.
   SendResult send(Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   /// As the recorded error reports say.
-  bool down() const noexcept override { return errors_.busOff(); }
+  bool down() const noexcept override { return errors_.wasOff(); }
   bool exhausted() const noexcept override;
   BusStatistics statistics() const noexcept override { return statistics_; }
 

@@ -257,6 +257,7 @@ void SocketCanBus::discardPending() noexcept {
 }
 
 std::size_t SocketCanBus::receive(std::span<Frame> frames, std::int64_t now_ns) noexcept {
+  state_->errors.beginReceive();
   std::size_t count = 0;
   while (count < frames.size()) {
     const bool was_down = state_->interface_down;
@@ -305,7 +306,7 @@ SendResult SocketCanBus::send(Frame& frame, std::int64_t now_ns) noexcept {
 }
 
 bool SocketCanBus::down() const noexcept {
-  return state_->interface_down || state_->errors.busOff();
+  return state_->interface_down || state_->errors.wasOff();
 }
 
 BusStatistics SocketCanBus::statistics() const noexcept {

@@ -47,3 +47,18 @@ TEST_CASE("bus-off lasts until a restart or a frame from another node") {
   CHECK(statistics.bus_off == 2);
   CHECK(statistics.error_frames == 3);
 }
+
+TEST_CASE("a bus-off that is over within the same tick is still told") {
+  ErrorMonitor monitor;
+  BusStatistics statistics;
+  Frame report;
+  report.error = true;
+  report.id = kErrorBusOff;
+  monitor.beginReceive();
+  monitor.observe(report, statistics);
+  monitor.observe(Frame{}, statistics);
+  CHECK_FALSE(monitor.busOff());
+  CHECK(monitor.wasOff());
+  monitor.beginReceive();
+  CHECK_FALSE(monitor.wasOff());
+}
