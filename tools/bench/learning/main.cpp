@@ -1,11 +1,14 @@
 // patella-bench-learning: what a network adds to the best observer.
+#include <algorithm>
 #include <exception>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/bench/learning/leg_study.hpp"
+#include "tools/bench/learning/pendulum_study.hpp"
 #include "tools/bench/learning/tables.hpp"
+#include "tools/diagnose/recording_file.hpp"
 
 namespace {
 
@@ -14,12 +17,39 @@ using namespace patella::bench;
 constexpr const char* kLegs =
     "Legs, motions and pushes that were never seen: the network on the best observer, against that observer.";
 
+constexpr const char* kPendulum =
+    "A measured two-link arm: torque error of models, alone and with a network, on recordings of their own.";
+
+struct PendulumArguments {
+  PendulumStudyOptions options;
+  std::vector<std::string> models;
+  std::vector<std::string> data;
+  std::vector<std::string> test_data;
+  std::string columns;
+};
+
+constexpr const char* kPaper =
+    "The paper's experiments: a random split of steps, and what it hides. Errors in rad/s².";
+
 struct LegArguments {
   LegStudyOptions options;
   std::vector<std::string> errors{"0"};
   std::vector<double> horizons_ms{0.0};
   bool individual = false;
 };
+
+void declareTraining(CLI::App& app, patella::train::TrainingOptions& t) {
+  app.add_option("--hidden", t.hidden)->capture_default_str();
+  app.add_option("--channels", t.channels)->capture_default_str();
+  app.add_option("--heads", t.heads)->capture_default_str();
+  app.add_option("--window", t.window)->capture_default_str();
+  app.add_option("--epochs", t.epochs)->capture_default_str();
+  app.add_option("--batch", t.batch)->capture_default_str();
+  app.add_option("--sequence-steps", t.sequence_steps)->capture_default_str();
+  app.add_option("--burn-in", t.burn_in)->capture_default_str();
+  app.add_option("--layers", t.layers)->capture_default_str();
+  app.add_option("--learning-rate", t.learning_rate)->capture_default_str();
+}
 
 void declare(CLI::App& app, LegArguments& a) {
   LegStudyOptions& o = a.options;
@@ -39,15 +69,79 @@ void declare(CLI::App& app, LegArguments& a) {
       ->check(CLI::Range(4.0, 600.0))
       ->capture_default_str();
   app.add_option("--rate-Hz", o.rate_Hz, "of the network")->capture_default_str();
-  app.add_option("--hidden", o.training.hidden)->capture_default_str();
-  app.add_option("--channels", o.training.channels)->capture_default_str();
-  app.add_option("--heads", o.training.heads)->capture_default_str();
-  app.add_option("--window", o.training.window)->capture_default_str();
-  app.add_option("--epochs", o.training.epochs)->capture_default_str();
-  app.add_option("--batch", o.training.batch)->capture_default_str();
-  app.add_option("--sequence-steps", o.training.sequence_steps)->capture_default_str();
-  app.add_option("--burn-in", o.training.burn_in)->capture_default_str();
-  app.add_option("--learning-rate", o.training.learning_rate)->capture_default_str();
+  declareTraining(app, o.training);
+}
+
+void declare(CLI::App& app, PendulumArguments& a) {
+  app.add_option("--models", a.models, "model files")->required()->check(CLI::ExistingFile);
+  app.add_option("--data", a.data, "recordings to train on")->required()->check(CLI::ExistingFile);
+  app.add_option("--test-data", a.test_data, "recordings to test on")->required()->check(CLI::ExistingFile);
+  app.add_option("--columns", a.columns, "map of their columns")->required()->check(CLI::ExistingFile);
+  app.add_option("--seeds", a.options.seeds)->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--weight-decay", a.options.training.weight_decay)->capture_default_str();
+  app.add_option("--patience", a.options.training.patience)->capture_default_str();
+  declareTraining(app, a.options.training);
+}
+
+std::vector<patella::diagnose::Recording> load(const std::vector<std::string>& paths,
+                                               const std::string& columns) {
+  std::vector<patella::diagnose::Recording> recordings;
+  for (const std::string& path : paths) {
+    recordings.push_back(patella::diagnose::loadRecording(path, {.joints = 2, .columns = columns}));
+  }
+  return recordings;
+}
+
+void runPendulum(const PendulumArguments& a) {
+  checked(a.options.training);
+  const auto training = load(a.data, a.columns);
+  const auto test = load(a.test_data, a.columns);
+  std::vector<PendulumResult> results;
+  for (const std::string& path : a.models) {
+    const std::string name = std::filesystem::path(path).filename().string();
+    results.push_back(pendulumStudy(patella::app::loadModel(path), name, training, test, a.options));
+  }
+  std::cout << table(results);
+}
+
+void declare(CLI::App& app, PaperStudyOptions& o, std::vector<int>& experiments,
+             std::vector<std::string>& splits, std::string& stopping) {
+  app.add_option("--experiments", experiments)
+      ->delimiter(',')
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str();
+  app.add_option("--splits", splits)->delimiter(',')->check(CLI::IsMember(patella::train::splitNames()));
+  app.add_option("--stopping", stopping)
+      ->check(CLI::IsMember(patella::train::stoppingNames()))
+      ->capture_default_str();
+  app.add_option("--seeds", o.seeds)->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--seconds", o.seconds)->check(CLI::Range(10.0, 600.0))->capture_default_str();
+  app.add_option("--rate-Hz", o.rate_Hz, "of the network")->capture_default_str();
+  declareTraining(app, o.training);
+}
+
+template <typename Kind>
+Kind kindOf(const std::string& name, const std::vector<std::string>& names) {
+  return static_cast<Kind>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void understand(PaperStudyOptions& o, const std::vector<int>& experiments,
+                const std::vector<std::string>& splits, const std::string& stopping) {
+  o.experiments.clear();
+  for (const int experiment : experiments) {
+    o.experiments.push_back(experiment == 1 ? Experiment::kFirst : Experiment::kSecond);
+  }
+  o.splits.clear();
+  for (const std::string& split : splits) {
+    o.splits.push_back(kindOf<patella::train::SplitKind>(split, patella::train::splitNames()));
+  }
+  o.training.stopping = kindOf<patella::train::Stopping>(stopping, patella::train::stoppingNames());
+  checked(o.training);
+}
+
+template <typename Result>
+void tell(const Result& result) {
+  std::cerr << line(result) << std::flush;
 }
 
 void understand(LegArguments& a) {
@@ -85,6 +179,28 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                            .sequence_steps = 160,
                            .burn_in = 48,
                            .learning_rate = 4e-3};
+  PendulumArguments pendulum;
+  pendulum.options.training = {.hidden = 16,
+                               .channels = 16,
+                               .heads = 2,
+                               .window = 16,
+                               .patience = 60,
+                               .epochs = 300,
+                               .batch = 8,
+                               .sequence_steps = 96,
+                               .burn_in = 24,
+                               .learning_rate = 5e-3,
+                               .weight_decay = 0.02};
+  CLI::App& pendulum_command = *app.add_subcommand("pendulum", kPendulum);
+  declare(pendulum_command, pendulum);
+  PaperStudyOptions paper;
+  std::string paper_stopping = "none";
+  paper.training = {
+      .stopping = patella::train::Stopping::kNone, .epochs = 400, .batch = 8, .learning_rate = 3e-3};
+  std::vector<int> experiments{1, 2};
+  std::vector<std::string> splits{"random", "blocked", "chronological"};
+  CLI::App& paper_command = *app.add_subcommand("paper", kPaper);
+  declare(paper_command, paper, experiments, splits, paper_stopping);
   CLI::App& leg_command = *app.add_subcommand("legs", kLegs);
   declare(leg_command, legs);
   try {
@@ -93,10 +209,15 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     return app.exit(error) == 0 ? 0 : 1;
   }
   try {
-    understand(legs);
-    const auto results =
-        legStudy(legs.options, [](const LegResult& result) { std::cerr << line(result) << std::flush; });
-    std::cout << table(results);
+    if (paper_command.parsed()) {
+      understand(paper, experiments, splits, paper_stopping);
+      std::cout << table(paperStudy(paper, tell<PaperResult>));
+    } else if (pendulum_command.parsed()) {
+      runPendulum(pendulum);
+    } else {
+      understand(legs);
+      std::cout << table(legStudy(legs.options, tell<LegResult>));
+    }
   } catch (const std::exception& error) {
     std::cerr << "patella-bench-learning: " << error.what() << "\n";
     return 1;

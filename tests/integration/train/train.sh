@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# From runs of the loop to a network that the loop runs: trained, killed on the way and resumed, scored on what it has
+# not seen and refused on what it has.
+#
+#   train.sh PATELLA PATELLA_TRAIN CONFIG
+set -euo pipefail
+patella=$1 train=$2 config=$3
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+fail() { echo "train.sh: $*" >&2; exit 1; }
+
+for seed in 1 2 3; do
+  "$patella" run --config "$config" --clock virtual --duration 6 --seed $seed --out "$folder/run$seed" >/dev/null
+done
+fit() {
+  "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/$1.safetensors" \
+    --split chronological --test-share 0.3 --validation-share 0.2 --rate-Hz 50 \
+    --hidden 8 --channels 8 --heads 2 --window 8 --batch 2 --sequence-steps 48 --burn-in 8 --epochs 25 --patience 25
+}
+
+fit whole >/dev/null
+fit killed >/dev/null 2>&1 & pid=$!
+while [ ! -e "$folder/killed.safetensors.checkpoint" ] && kill -0 $pid 2>/dev/null; do sleep 0.02; done
+kill -9 $pid 2>/dev/null || true
+wait $pid 2>/dev/null || true
+fit killed >"$folder/resumed.txt" 2>&1
+cmp "$folder/whole.safetensors" "$folder/killed.safetensors" || fail "resumed after kill -9, the weights differ"
+[ ! -e "$folder/killed.safetensors.checkpoint" ] || fail "the checkpoint is left behind"
+[ -s "$folder/whole.png" ] || fail "no picture of the learning curves"
+grep -q '"sha256"' <(head -c 8000 "$folder/whole.safetensors" | tr -d '\\') || fail "the model card lacks its data"
+
+"$train" score --config "$config" --weights "$folder/whole.safetensors" --data "$folder/run3" >"$folder/score.txt"
+grep -q 'joint 2 mean absolute' "$folder/score.txt" || fail "no score on a recording that was not trained on"
+cp -r "$folder/run1" "$folder/copy"
+if "$train" score --config "$config" --weights "$folder/whole.safetensors" --data "$folder/copy" 2>"$folder/refusal.txt"; then
+  fail "a score was given on data that were trained on"
+fi
+grep -q 'the network was trained on it' "$folder/refusal.txt" || fail "refused for another reason: $(cat "$folder/refusal.txt")"
+
+"$patella" run --config "$config" --clock virtual --duration 3 --seed 4 --weights "$folder/whole.safetensors" \
+  --out "$folder/loop" >"$folder/loop.txt"
+grep -q 'estimate| of the network' "$folder/loop.txt" || fail "the loop shows no estimate of the network"
+grep -q 'heap operations 0' "$folder/loop.txt" || fail "the loop touched the heap"
+if "$train" fit --config "$config" --data "$folder/run1" --heads 3 --out "$folder/x.safetensors" 2>"$folder/wrong.txt"; then
+  fail "a wrong argument was taken"
+fi
+grep -q 'heads: value 3' "$folder/wrong.txt" || fail "the wrong argument is not named"

@@ -1,0 +1,95 @@
+// The parts of the comparison between networks and observers that can be known beforehand.
+#include <doctest/doctest.h>
+
+#include "tools/bench/learning/forecast.hpp"
+#include "tools/bench/learning/leg_runs.hpp"
+#include "tools/bench/learning/linear_history.hpp"
+#include "tools/bench/learning/tables.hpp"
+#include "tools/train/split.hpp"
+
+using namespace patella;
+using namespace patella::bench;
+
+namespace {
+
+Tuned kalman() {
+  for (const Method& method : methods()) {
+    if (method.name == "extended Kalman, force, constant rate") {
+      return {&method, {30.0, 30.0}};
+    }
+  }
+  return {};
+}
+
+double sum(const std::array<double, 2>& errors) {
+  return errors[0] + errors[1];
+}
+
+}  // namespace
+
+TEST_CASE("a run is its seed's, and the model's error changes what is believed, not what happens") {
+  const LegRunOptions right{.seconds = 1.0, .error = {}};
+  const Recording first = recordLeg(right, 5);
+  const Recording wrong = recordLeg({.seconds = 1.0, .error = {.shank = 0.05}}, 5);
+  CHECK(first.samples[700].q == wrong.samples[700].q);
+  CHECK(first.samples[700].truth == wrong.samples[700].truth);
+  CHECK_FALSE(first.samples[700].q == recordLeg(right, 6).samples[700].q);
+  const JointVector straight = JointVector::Zero(2);
+  CHECK(wrong.known().mechanism().inertia(straight)(1, 1) ==
+        doctest::Approx(1.05 * first.known().mechanism().inertia(straight)(1, 1)));
+  const Recording passive = recordLeg({.seconds = 1.0, .error = {}, .passive = true}, 5);
+  CHECK(passive.samples[700].truth.norm() == 0.0);
+}
+
+TEST_CASE("a wrong shank misleads the observer, and friction that nobody declared") {
+  const auto error = [](const ModelError& wrong) {
+    const ObservedRun run = observeRun(recordLeg({.seconds = 6.0, .error = wrong}, 3), kalman());
+    return sum(meanError(deliverObserver(run, 0.0)));
+  };
+  const double right = error({});
+  CHECK(right < 0.05);
+  CHECK(error({.shank = 0.15}) > 2.0 * right);
+  CHECK(error({.friction = true}) > 1.5 * right);
+}
+
+TEST_CASE("a push is foretold by its rate better than by holding it") {
+  const Recording recording = recordLeg({.seconds = 6.0, .error = {}}, 2);
+  const ObservedRun run = observeRun(recording, kalman());
+  CHECK(sum(meanError(predictConstantRate(recording, run, kalman(), 0.05))) <
+        sum(meanError(deliverObserver(run, 0.05))));
+}
+
+TEST_CASE("what is linear in the past is found by the linear history") {
+  train::Sequence sequence;
+  sequence.rate_Hz = 100.0;
+  sequence.features.resize(400, 1);
+  for (Eigen::Index k = 0; k < 400; ++k) {
+    sequence.features(k, 0) =
+        3.0 + std::sin(0.3 * static_cast<double>(k)) + std::cos(0.11 * static_cast<double>(k));
+  }
+  sequence.reference = train::Rows::Zero(400, 1);
+  sequence.reference.bottomRows(395) = 2.0 * sequence.features.topRows(395);  // five steps ago
+  sequence.observer = train::Rows::Zero(400, 1);
+  sequence.role.assign(400, train::Role::kIgnored);
+  assignRole(sequence, train::Role::kTrain, 0.5);
+  const std::span<const train::Sequence> all(&sequence, 1);
+  LinearHistory linear(all, frameOf(all, {"q1_rad"}, network::OutputKind::kTorque));
+  double largest = 0.0;
+  for (Eigen::Index k = 0; k < 400; ++k) {
+    const double feature = sequence.features(k, 0);
+    const JointVector value = linear.step({&feature, 1});
+    largest = k < 50 ? 0.0 : std::max(largest, std::abs(value[0] - sequence.reference(k, 0)));
+  }
+  CHECK(largest < 0.05);
+}
+
+TEST_CASE("a table holds every estimator against the first of its condition") {
+  const std::vector<LegResult> results = {
+      {.condition = "c", .estimator = "observer", .seed = 1, .error_Nm = {0.3, 0.1}, .delay_s = {}},
+      {.condition = "c", .estimator = "network", .seed = 1, .error_Nm = {0.1, 0.1}, .delay_s = {}},
+      {.condition = "c", .estimator = "observer", .seed = 2, .error_Nm = {0.2, 0.2}, .delay_s = {}},
+      {.condition = "c", .estimator = "network", .seed = 2, .error_Nm = {0.1, 0.1}, .delay_s = {}}};
+  const std::string text = table(results);
+  CHECK(text.find("| observer | 0.2500 ± 0.6353 | 0.1500 ± 0.6353 | 1.00 ± 0.00 |") != std::string::npos);
+  CHECK(text.find("| network | 0.1000 ± 0.0000 | 0.1000 ± 0.0000 | 0.50 ± 0.00 |") != std::string::npos);
+}
