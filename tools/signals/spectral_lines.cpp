@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <unsupported/Eigen/FFT>
@@ -71,17 +73,18 @@ double summit(const std::vector<double>& power, std::size_t k) {
   return static_cast<double>(k) + (bend < 0.0 ? 0.5 * (left - right) / bend : 0.0);
 }
 
-// Frequencies of new lines: peaks that stand out from their surroundings and that no side lobe of a higher
-// one reaches.
+// Frequencies of new lines, `most` of them: peaks that stand out from their surroundings and that no side
+// lobe of a higher one reaches.
 std::vector<double> highestPeaks(const std::vector<double>& power, double bin_Hz, double width_Hz,
-                                 std::span<const double> known_Hz, const SpectralLineOptions& options) {
+                                 std::span<const double> known_Hz, std::size_t most,
+                                 const SpectralLineOptions& options) {
   constexpr double kAboveSideLobes = 0.03;
   const auto first = static_cast<std::size_t>(std::ceil(width_Hz / bin_Hz));
   const auto last = std::min(power.size() - 2, static_cast<std::size_t>(options.highest_Hz / bin_Hz));
-  std::vector<double> found;
   if (first >= last) {
-    return found;
+    return {};
   }
+  std::vector<std::pair<double, double>> peaks;  // power and frequency
   const double highest = *std::max_element(power.begin() + static_cast<std::ptrdiff_t>(first),
                                            power.begin() + static_cast<std::ptrdiff_t>(last));
   for (std::size_t k = first; k < last; ++k) {
@@ -94,9 +97,19 @@ std::vector<double> highestPeaks(const std::vector<double>& power, double bin_Hz
       return std::abs(f - frequency_Hz) < kSameLine * width_Hz;
     });
     if (!known) {
-      found.push_back(frequency_Hz);
+      peaks.emplace_back(power[k], frequency_Hz);
     }
   }
+  if (peaks.size() > most) {
+    std::partial_sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(most), peaks.end(),
+                      std::greater<>());
+    peaks.resize(most);
+  }
+  std::vector<double> found;
+  for (const auto& [height, frequency_Hz] : peaks) {
+    found.push_back(frequency_Hz);
+  }
+  std::sort(found.begin(), found.end());
   return found;
 }
 
@@ -146,7 +159,8 @@ Samples lineSpectrumPart(std::span<const double> signal, double rate_Hz, const S
   Eigen::VectorXd rest = target.array() - target.mean();
   while (static_cast<int>(frequencies_Hz.size()) < options.most) {
     const std::vector<double> found =
-        highestPeaks(periodogram.of(rest), bin_Hz, width_Hz, frequencies_Hz, options);
+        highestPeaks(periodogram.of(rest), bin_Hz, width_Hz, frequencies_Hz,
+                     static_cast<std::size_t>(options.most) - frequencies_Hz.size(), options);
     if (found.empty()) {
       break;
     }
