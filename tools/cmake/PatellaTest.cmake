@@ -5,8 +5,8 @@
 # is reported as skipped (exit status 77) where PATELLA_DATA_DIR is absent.
 #
 # Every test is part of ordinary and of address-sanitizer builds. Builds with the thread or realtime sanitizer hold
-# those that name it: tests that start threads, and tests that run loop code. LONG tests compute for so many seconds that
-# they would take minutes under any sanitizer; they are part of ordinary builds only.
+# those that name it: tests that start threads, and tests that run loop code. LONG tests would take minutes to compile or
+# to run under any sanitizer, as what they test is dense linear algebra; they are part of ordinary builds only.
 add_custom_target(patella_tests)
 
 function(patella_add_test)
