@@ -79,6 +79,7 @@ class DisturbedPins final : public gpio::Pins {
     return pins_.setDriveEnable(enabled);
   }
   void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override { pins_.setHeartbeat(level); }
+  void setWatchdogHeartbeat(bool level) noexcept override { pins_.setWatchdogHeartbeat(level); }
   std::uint64_t errors() const noexcept override { return pins_.errors(); }
 
  private:

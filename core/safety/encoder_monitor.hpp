@@ -1,6 +1,8 @@
 // Position and rate of one encoder must tell of the same motion.
 #pragma once
 
+#include <array>
+
 #include "core/safety/monitor_settings.hpp"
 #include "core/types.hpp"
 
@@ -12,6 +14,8 @@ class EncoderMonitor {
  public:
   /// Longest step that is followed; after it both start anew.
   static constexpr double kMaxStep_s = 0.02;
+  /// Samples of one value after which a position is held to frozen_rad.
+  static constexpr int kStillSamples = 20;
 
   EncoderMonitor(int joints, const EncoderMonitorSettings& settings) noexcept
       : settings_(settings), q_(JointVector::Zero(joints)), dq_(q_), residual_rad_(q_) {}
@@ -24,6 +28,7 @@ class EncoderMonitor {
  private:
   EncoderMonitorSettings settings_;
   JointVector q_, dq_, residual_rad_;
+  std::array<int, kMaxJoints> still_{};
   bool started_ = false;
 };
 

@@ -28,6 +28,7 @@ void requireSound(const MonitorSettings& settings) {
                kCeilingInconsistency_rad);
   requireRange("safety.encoder.consistency_time_s", encoder.consistency_time_s, 0.01,
                kCeilingConsistencyTime_s);
+  requireRange("safety.encoder.frozen_rad", encoder.frozen_rad, kSmallest, kCeilingInconsistency_rad);
   requireEach("safety.motion.unknown_torque_Nm", motion.unknown_torque_Nm, 0.0, kCeilingUnknownTorque_Nm);
   requireTime("safety.motion.unknown_time_s", motion.unknown_time_s);
   requireEach("safety.motion.following_rad", motion.following_rad, kSmallest, kCeilingFollowing_rad);

@@ -20,6 +20,8 @@ struct EncoderMonitorSettings {
   /// Position against the integral of the measured rate, leaking with consistency_time_s.
   double inconsistency_rad = 0.02;
   double consistency_time_s = 0.1;
+  /// The same for a position that has not changed by a bit for kStillSamples: it cannot be motion.
+  double frozen_rad = 0.004;
 };
 
 struct MotionMonitorSettings {
@@ -47,7 +49,7 @@ struct DriveMonitorSettings {
 struct EmgMonitorSettings {
   double flat_mV = 0.001;  ///< an electrode on skin moves more than that (peak to peak) within flat_time_s
   double flat_time_s = 0.5;
-  double saturation_mV = 1.5;
+  double saturation_mV = 1.45;
   double saturation_time_s = 0.02;  ///< of saturated samples, more than there are others
   double hum_mV = 0.3;              ///< amplitude at the mains' frequency
   double hum_time_s = 0.2;

@@ -27,7 +27,8 @@ struct BusMap {
   double encoder_timeout_s = 0.005;
   double drive_timeout_s = 0.020;
   double emg_timeout_s = 0.050;
-  /// Older than this the operator's enable and reset count as released: a lost cable must not hold them.
+  /// Older than this the operator's enable and reset count as released: a lost cable must not hold them,
+  /// and both must be seen released before a press counts again.
   double operator_timeout_s = 0.5;
 
   double encoder_period_s = 0.001;

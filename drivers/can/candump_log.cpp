@@ -239,13 +239,19 @@ CandumpReader::CandumpReader(const std::filesystem::path& file)
 bool CandumpReader::next(LogEntry& entry) {
   while (std::getline(stream_, text_)) {
     ++line_;
+    unterminated_ = stream_.eof();
     if (text_.empty() || text_ == "\r")
       continue;
     try {
       parseLogLine(text_, entry);
     } catch (const std::invalid_argument& error) {
+      if (unterminated_ && found_) {
+        cut_line_ = line_;
+        return false;
+      }
       throw LogError(name_ + ":" + std::to_string(line_) + ": " + error.what());
     }
+    found_ = true;
     return true;
   }
   if (stream_.bad())

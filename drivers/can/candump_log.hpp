@@ -51,8 +51,13 @@ class CandumpReader {
   /// Throws LogError where the file cannot be read.
   explicit CandumpReader(const std::filesystem::path& file);
 
-  /// False at the end. Empty lines are passed over; throws LogError at a line that is no log line.
+  /// False at the end. Empty lines are passed over; throws LogError at a line that is no log line, unless it
+  /// is the last one, has no line feed and follows a frame: then whoever wrote it was stopped in its midst.
   bool next(LogEntry& entry);
+  /// Number of such a last line; 0 where there is none.
+  std::size_t cutLine() const noexcept { return cut_line_; }
+  /// The newest line had no line feed. From a writer that always ends its lines, it is a cut one as well.
+  bool unterminated() const noexcept { return unterminated_; }
 
   std::size_t line() const noexcept { return line_; }
 
@@ -61,6 +66,9 @@ class CandumpReader {
   std::ifstream stream_;
   std::string text_;
   std::size_t line_ = 0;
+  std::size_t cut_line_ = 0;
+  bool found_ = false;
+  bool unterminated_ = false;
 };
 
 }  // namespace patella::can

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "drivers/can/elapsed_periods.hpp"
+
 namespace patella::can {
 namespace {
 
@@ -18,20 +20,6 @@ std::int64_t toNanoseconds(const char* key, double seconds) {
                                 ", expected more than 0 and at most 1e6");
   }
   return static_cast<std::int64_t>(std::llround(seconds * kNanosecondsPerSecond));
-}
-
-std::int64_t roundedRatio(std::int64_t span_ns, std::int64_t period_ns) noexcept {
-  return (span_ns + period_ns / 2) / period_ns;
-}
-
-/// Periods between two frames. Wall stamps are taken by the kernel as frames arrive and so are free of the
-/// loop's jitter, but the wall clock may be set: where the two clocks disagree by more than a stall, it is
-/// not believed.
-std::int64_t elapsedPeriods(std::int64_t wall_ns, std::int64_t monotonic_ns,
-                            std::int64_t period_ns) noexcept {
-  constexpr std::int64_t kClockWasSet_ns = 100'000'000;
-  const std::int64_t apart = wall_ns > monotonic_ns ? wall_ns - monotonic_ns : monotonic_ns - wall_ns;
-  return roundedRatio(std::max<std::int64_t>(apart > kClockWasSet_ns ? monotonic_ns : wall_ns, 0), period_ns);
 }
 
 }  // namespace
@@ -343,10 +331,12 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
       drive_fault_ = value != 0.0;
       break;
     case Input::kOperatorEnable:
-      measurement_.operator_enable = value > 0.5;
+      enable_stuck_ = enable_stuck_ && value > 0.5;
+      measurement_.operator_enable = value > 0.5 && !enable_stuck_;
       break;
     case Input::kOperatorReset:
-      measurement_.operator_reset = value > 0.5;
+      reset_stuck_ = reset_stuck_ && value > 0.5;
+      measurement_.operator_reset = value > 0.5 && !reset_stuck_;
       break;
     case Input::kCount:
       break;
@@ -370,8 +360,8 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   if (stale(kEmgGroup, now_ns))
     reading.faults.add(safety::Fault::kEmgStale);
   if (stale(kOperator, now_ns)) {
-    measurement_.operator_enable = false;
-    measurement_.operator_reset = false;
+    enable_stuck_ = reset_stuck_ = true;
+    measurement_.operator_enable = measurement_.operator_reset = false;
   }
   if (drive_fault_)
     reading.faults.add(safety::Fault::kDriveFault);

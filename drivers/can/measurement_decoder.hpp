@@ -143,6 +143,9 @@ class MeasurementDecoder {
   SampleSet<kMaxEmgChannels> emg_samples_;
   Measurement measurement_;
   bool drive_fault_ = false;
+  /// Not yet seen released since the operator's silence: a cable that is put back is no press.
+  bool enable_stuck_ = false;
+  bool reset_stuck_ = false;
   std::uint64_t unknown_frames_ = 0;
 };
 

@@ -9,15 +9,29 @@ namespace patella::can {
 ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& options) {
   CandumpReader reader(file);
   LogEntry entry;
+  bool last_is_command = false;
   while (reader.next(entry)) {
     const bool command = options.command_id == entry.frame.id &&
                          options.command_extended == entry.frame.extended && !entry.frame.error &&
                          !entry.frame.remote;
+    last_is_command = command;
     if (command) {
       commands_.push_back(entry.frame);
       tick_end_.push_back(frames_.size());
     } else {
       frames_.push_back(entry.frame);
+    }
+  }
+  cut_line_ = reader.cutLine();
+  // The loop's recorder ends every line: what has no end is part of a line, though it may read as a whole
+  // one.
+  if (cut_line_ == 0 && reader.unterminated() && !commands_.empty()) {
+    cut_line_ = reader.line();
+    if (last_is_command) {
+      commands_.pop_back();
+      tick_end_.pop_back();
+    } else {
+      frames_.pop_back();
     }
   }
   if (frames_.empty() && commands_.empty())

@@ -48,6 +48,8 @@ class ReplayBus final : public Bus {
 
   /// True where the log's ticks are those of its commands.
   bool hasCommands() const noexcept { return !commands_.empty(); }
+  /// Line within which the log ends, see CandumpReader; 0 where it is whole.
+  std::size_t cutLine() const noexcept { return cut_line_; }
   /// Without the farewell.
   std::size_t recordedCommands() const noexcept { return commands_.size(); }
   /// Sent commands so far that differ from the recorded ones in identifier, length or data.
@@ -61,6 +63,7 @@ class ReplayBus final : public Bus {
   std::vector<Frame> frames_;  ///< all but commands
   std::vector<Frame> commands_;
   std::vector<std::size_t> tick_end_;  ///< for each command, number of frames before it
+  std::size_t cut_line_ = 0;
   std::size_t next_frame_ = 0;
   std::size_t ticks_begun_ = 0;
   std::size_t next_command_ = 0;

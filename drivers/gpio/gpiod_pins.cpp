@@ -16,7 +16,8 @@ void checkOptions(const GpiodPinsOptions& options) {
         "pull-down with active low, pull-up with active high, or leave the bias to the board");
   }
   std::set<int> used;
-  for (const int line : {options.emergency_stop_line, options.drive_enable_line, options.heartbeat_line}) {
+  for (const int line : {options.emergency_stop_line, options.drive_enable_line, options.heartbeat_line,
+                         options.watchdog_line}) {
     if (line < GpiodPinsOptions::kNotWired) {
       throw std::invalid_argument("GPIO line " + std::to_string(line) +
                                   ": expected an offset from 0, or -1 for not wired");
@@ -43,6 +44,9 @@ GpiodPins::GpiodPins(const GpiodPinsOptions& options) {
   if (options.heartbeat_line >= 0) {
     heartbeat_.emplace(GpiodLine::requestOutput(chip, options.heartbeat_line));
   }
+  if (options.watchdog_line >= 0) {
+    watchdog_.emplace(GpiodLine::requestOutput(chip, options.watchdog_line));
+  }
   if (options.emergency_stop_line >= 0) {
     emergency_stop_.emplace(GpiodLine::requestInput(
         chip, options.emergency_stop_line, options.emergency_stop_active_low, options.emergency_stop_bias));
@@ -53,6 +57,7 @@ GpiodPins::~GpiodPins() {
   // A released line keeps its last level on most chips.
   setDriveEnable(false);
   setHeartbeat(false);
+  setWatchdogHeartbeat(false);
 }
 
 bool GpiodPins::emergencyStop() noexcept PATELLA_NONBLOCKING {
@@ -73,6 +78,10 @@ bool GpiodPins::setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING {
 
 void GpiodPins::setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING {
   set(heartbeat_, level);
+}
+
+void GpiodPins::setWatchdogHeartbeat(bool level) noexcept {
+  set(watchdog_, level);
 }
 
 bool GpiodPins::set(std::optional<GpiodLine>& line, bool level) noexcept PATELLA_NONBLOCKING {

@@ -1,6 +1,7 @@
 // The rig's digital lines on a GPIO character device of the kernel, through libgpiod.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,7 @@ struct GpiodPinsOptions {
   int emergency_stop_line = kNotWired;
   int drive_enable_line = kNotWired;
   int heartbeat_line = kNotWired;
+  int watchdog_line = kNotWired;  ///< heartbeat of the watchdog thread
   /// Pressed is the low level: a normally closed contact holds the line high.
   bool emergency_stop_active_low = true;
   /// Must not pull towards the released level, else a broken wire would go unnoticed.
@@ -41,7 +43,8 @@ class GpiodPins final : public Pins {
   bool emergencyStop() noexcept PATELLA_NONBLOCKING override;
   bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING override;
   void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override;
-  std::uint64_t errors() const noexcept override { return errors_; }
+  void setWatchdogHeartbeat(bool level) noexcept override;
+  std::uint64_t errors() const noexcept override { return errors_.load(std::memory_order_relaxed); }
 
  private:
   bool set(std::optional<GpiodLine>& line, bool level) noexcept PATELLA_NONBLOCKING;
@@ -49,7 +52,8 @@ class GpiodPins final : public Pins {
   std::optional<GpiodLine> emergency_stop_;
   std::optional<GpiodLine> drive_enable_;
   std::optional<GpiodLine> heartbeat_;
-  std::uint64_t errors_ = 0;
+  std::optional<GpiodLine> watchdog_;
+  std::atomic<std::uint64_t> errors_{0};
 };
 
 }  // namespace patella::gpio

@@ -1,8 +1,10 @@
 #include "firmware_app/commands/run_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
@@ -15,7 +17,8 @@
 #include "drivers/can/socketcan_bus.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/loop/loop.hpp"
-#include "firmware_app/realtime/service_notifier.hpp"
+#include "firmware_app/realtime/emergency_exit.hpp"
+#include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
 #include "sim/loop_faults.hpp"
@@ -65,6 +68,10 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
           can::ReplayOptions{.command_id = encoder.id(),
                              .command_extended = encoder.extended(),
                              .farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames)});
+      if (replay->cutLine() != 0) {
+        spdlog::warn("{}:{}: the log ends within this line; what stands before it is replayed",
+                     config.backend.target, replay->cutLine());
+      }
       backend.replay = replay.get();
       backend.bus = std::move(replay);
       break;
@@ -89,7 +96,6 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
   std::unique_ptr<RealtimeSetup> setup;
   std::exception_ptr failure;
   std::atomic<bool> finished{false};
-  ServiceNotifier service_manager;
   std::thread thread([&] {
     try {
       RealtimeOptions options = config.realtime;
@@ -110,7 +116,6 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
   auto shown = std::chrono::steady_clock::now();
   while (!finished.load(std::memory_order_acquire)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    service_manager.progress(recorder.writtenTicks(), std::chrono::steady_clock::now());
     if (on_terminal && std::chrono::steady_clock::now() - shown > kProgressPeriod) {
       shown = std::chrono::steady_clock::now();
       const double time_s = static_cast<double>(recorder.writtenTicks()) / config.loop.rate_Hz;
@@ -119,7 +124,6 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
     }
   }
   thread.join();
-  service_manager.stopping();
   if (on_terminal) {
     fmt::print(stderr, "\r{:40}\r", "");
   }
@@ -127,6 +131,16 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, 
     std::rethrow_exception(failure);
   }
   return setup;
+}
+
+// What the run is made of, for the first lines of the events.
+std::string heading(const std::vector<InputFile>& files) {
+  std::string text;
+  for (const InputFile& file : files) {
+    text +=
+        fmt::format("input={} file={} sha256={}\n", file.role, file.path.filename().string(), file.sha256);
+  }
+  return text;
 }
 
 }  // namespace
@@ -139,9 +153,12 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   can::CommandEncoder encoder = makeEncoder(config);
   const BusBackend backend = makeBus(config, encoder, *clock);
   const auto pins = makePins(config);
+  const std::vector<InputFile> files = inputFiles(config);
   Recorder recorder({.folder = folder,
                      .channel = backend.channel,
                      .joints = config.model.joints(),
+                     .heading = heading(files),
+                     .min_free_bytes = config.min_free_bytes,
                      .lossless = config.clock == ClockKind::kVirtual});
   sim::DisturbedClock loop_clock(*clock, config.faults);
   sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
@@ -149,6 +166,16 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   Loop loop(config.loop, disturbed ? loop_clock : *clock, *backend.bus, disturbed ? loop_pins : *pins,
             decoder, encoder, *tick, &recorder);
 
+  // In virtual time nothing is late, and nothing outside waits for torque to end.
+  std::optional<Watchdog> watchdog;
+  std::optional<EmergencyExit> emergency_exit;
+  if (config.clock == ClockKind::kMonotonic) {
+    WatchdogOptions options = config.watchdog;
+    options.priority = config.realtime.priority > 0 ? std::min(config.realtime.priority + 1, 99) : 0;
+    watchdog.emplace(options, *pins);
+    loop.watchedBy(*watchdog);
+    emergency_exit.emplace(*pins, *backend.bus, encoder, *clock, config.model.joints());
+  }
   if (backend.rig_thread != nullptr) {
     backend.rig_thread->start();
   }
@@ -159,17 +186,22 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
     recorder.discard();
     throw;
   }
+  emergency_exit.reset();
+  watchdog.reset();
   if (backend.rig_thread != nullptr) {
     backend.rig_thread->stop();
   }
   recorder.close();
 
   const bool wall_clock = config.clock == ClockKind::kMonotonic;
-  nlohmann::ordered_json summary = summarise(config, loop.statistics(), backend.bus->statistics(), decoder,
-                                             recorder, wall_clock ? &setup->report() : nullptr);
+  nlohmann::ordered_json summary = summarise(config, files, loop.statistics(), backend.bus->statistics(),
+                                             decoder, recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
     summary["replay"] = {{"recorded_commands", backend.replay->recordedCommands()},
                          {"different_commands", backend.replay->commandMismatches()}};
+    if (backend.replay->cutLine() != 0) {
+      summary["replay"]["cut_in_line"] = backend.replay->cutLine();
+    }
   }
   writeFile(folder / "summary.json", summary.dump(2) + "\n");
   fmt::print("{}", summaryText(summary));

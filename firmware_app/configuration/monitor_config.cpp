@@ -33,6 +33,8 @@ MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints) {
       e.number("consistency_time_s", Range{.minimum = 0.01, .maximum = kCeilingConsistencyTime_s},
                encoder.consistency_time_s);
 
+  encoder.frozen_rad = e.number("frozen_rad", upTo(kCeilingInconsistency_rad), encoder.frozen_rad);
+
   const TomlTable m = safety.optionalTable("motion");
   readPerJoint(m, "unknown_torque_Nm", joints, Range{.minimum = 0.0, .maximum = kCeilingUnknownTorque_Nm},
                motion.unknown_torque_Nm);

@@ -26,6 +26,14 @@ void readLoop(const TomlTable& table, RunConfig& config) {
           : ClockKind::kMonotonic;
   config.loop.warmup_ticks =
       static_cast<int>(table.integer("warmup_ticks", 1, 100000, config.loop.warmup_ticks));
+  config.loop.stall_tolerated_s =
+      table.number("stall_tolerated_s", Range{.minimum = 0.001, .maximum = LoopOptions::kCeilingStall_s},
+                   config.loop.stall_tolerated_s);
+  config.watchdog.timeout_s = table.number(
+      "watchdog_timeout_s", Range{.minimum = 0.002, .maximum = WatchdogOptions::kCeilingTimeout_s},
+      config.watchdog.timeout_s);
+  config.min_free_bytes = static_cast<std::uint64_t>(
+      1e6 * table.number("min_free_MB", Range{.minimum = 1.0, .maximum = 1e6}, 50.0));
   config.loop.shutdown_frames =
       static_cast<int>(table.integer("shutdown_frames", 3, 1000, config.loop.shutdown_frames));
 }
@@ -60,6 +68,7 @@ void readGpio(const TomlTable& table, RunConfig& config) {
   options.emergency_stop_line = line("emergency_stop_line");
   options.drive_enable_line = line("drive_enable_line");
   options.heartbeat_line = line("heartbeat_line");
+  options.watchdog_line = line("watchdog_line");
   options.emergency_stop_active_low = table.boolean("emergency_stop_active_low", true);
   const std::string bias = table.choice(
       "emergency_stop_bias", std::vector<std::string>{"as_is", "pull_up", "pull_down"}, "pull_down");

@@ -20,6 +20,7 @@
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
+#include "firmware_app/realtime/watchdog.hpp"
 #include "sim/rig.hpp"
 
 namespace patella::app {
@@ -69,6 +70,8 @@ struct RunConfig {
   double duration_s = 0.0;  ///< 0: until stopped
   LoopOptions loop;
   RealtimeOptions realtime;
+  WatchdogOptions watchdog;
+  std::uint64_t min_free_bytes = 50'000'000;  ///< on the recording's disk
   ModelDescription model;
   BusDescription bus;
   std::optional<network::NetworkWeights> weights;

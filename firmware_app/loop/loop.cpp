@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "firmware_app/realtime/allocation_counter.hpp"
+#include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/page_faults.hpp"
 
 namespace patella::app {
@@ -95,7 +96,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
 
   drainBus(woken_ns);
   const can::Reading reading = decoder_.finish(woken_ns);
-  const safety::FaultSet faults = reading.faults | hostFaults();
+  const safety::FaultSet faults = reading.faults | hostFaults(missed);
 
   tick::TickInput input;
   input.measurement = reading.measurement;
@@ -115,7 +116,13 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   statistics_->overruns += overrun ? 1U : 0U;
   consecutive_overruns_ = overrun ? consecutive_overruns_ + 1 : 0;
 
+  const safety::WarningSet warnings = output.warnings | hostWarnings();
   account(reading.measurement, output);
+  for (int i = 0; i < safety::kWarningCount; ++i) {
+    statistics_->warning_ticks[static_cast<std::size_t>(i)] +=
+        warnings.has(static_cast<safety::Warning>(i)) ? 1U : 0U;
+  }
+  record_.warnings = warnings.bits();
   record_.time_s = input.time_s;
   record_.tick = index_;
   record_.missed_periods = missed;
@@ -142,7 +149,7 @@ void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
   }
 }
 
-safety::FaultSet Loop::hostFaults() noexcept PATELLA_NONBLOCKING {
+safety::FaultSet Loop::hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
   safety::FaultSet faults;
   if (pins_.emergencyStop()) {
     faults.add(safety::Fault::kEmergencyStop);
@@ -153,13 +160,43 @@ safety::FaultSet Loop::hostFaults() noexcept PATELLA_NONBLOCKING {
   if (consecutive_send_failures_ > options_.send_failures_tolerated) {
     faults.add(safety::Fault::kSendFailed);
   }
-  if (consecutive_overruns_ > options_.overruns_tolerated) {
+  const double gap_s = static_cast<double>(missed * period_ns_) / static_cast<double>(kNanosecondsPerSecond);
+  if (consecutive_overruns_ > options_.overruns_tolerated || gap_s > options_.stall_tolerated_s) {
     faults.add(safety::Fault::kOverrun);
+  }
+  if (watchdog_ != nullptr) {
+    watchdog_->beat();
+    if (watchdog_->takeTrip()) {
+      faults.add(safety::Fault::kWatchdog);
+    }
   }
   return faults;
 }
 
+safety::WarningSet Loop::hostWarnings() noexcept PATELLA_NONBLOCKING {
+  safety::WarningSet warnings;
+  const std::int64_t offset_ns = clock_.wallNow() - clock_.now();
+  const double step_s =
+      static_cast<double>(std::abs(offset_ns - wall_offset_ns_)) / static_cast<double>(kNanosecondsPerSecond);
+  if (wall_offset_known_ && step_s > options_.clock_step_s) {
+    warnings.add(safety::Warning::kClockStepped);
+    ++statistics_->clock_steps;
+  }
+  wall_offset_ns_ = offset_ns;
+  wall_offset_known_ = true;
+  if (recorder_ != nullptr && recorder_->behind()) {
+    warnings.add(safety::Warning::kRecorderBehind);
+  }
+  if (recorder_ != nullptr && recorder_->diskLow()) {
+    warnings.add(safety::Warning::kDiskLow);
+  }
+  return warnings;
+}
+
 void Loop::sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING {
+  if (EmergencyExit::begun()) {
+    return;  // the handler of the signal that ends the process has the bus and the line
+  }
   can::Frame frame = encoder_.encode(command);
   const can::SendResult result = bus_.send(frame, clock_.now());
   consecutive_send_failures_ = result == can::SendResult::kSent ? 0 : consecutive_send_failures_ + 1;

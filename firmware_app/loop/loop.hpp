@@ -15,15 +15,19 @@
 #include "drivers/clock/clock.hpp"
 #include "drivers/gpio/pins.hpp"
 #include "firmware_app/loop/latency_histogram.hpp"
+#include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 
 namespace patella::app {
 
 struct LoopOptions {
+  static constexpr double kCeilingStall_s = 1.0;
   double rate_Hz = 1000.0;
   std::uint64_t max_ticks = 0;      ///< 0: until stopped or the backend is exhausted
   int overruns_tolerated = 3;       ///< consecutive ticks that may miss their period before a fault
   int send_failures_tolerated = 3;  ///< consecutive commands that may be lost before a fault
+  double stall_tolerated_s = 0.02;  ///< longest gap between two ticks; the drives drop torque after 20 ms
+  double clock_step_s = 0.05;       ///< change of wall time against the loop's clock that is told of
   int warmup_ticks = 200;           ///< heap operations and page faults are counted from here on
   int shutdown_frames = 10;         ///< zero-torque, drives-disabled frames sent when the loop ends
 };
@@ -47,6 +51,8 @@ struct LoopStatistics {
   std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
   std::array<std::uint64_t, safety::kFaultCount> fault_ticks{};   ///< ticks in which each cause was present
   std::array<std::uint64_t, safety::kFaultCount> fault_events{};  ///< times each cause appeared
+  std::array<std::uint64_t, safety::kWarningCount> warning_ticks{};
+  std::uint64_t clock_steps = 0;
   std::uint64_t limit_ticks = 0;  ///< ticks in which a limit held the command back
   std::uint64_t stops = 0;        ///< entries into limited or fault
   std::array<std::uint64_t, safety::kStateCount> state_ticks{};
@@ -66,6 +72,9 @@ class Loop {
   Loop(const LoopOptions& options, Clock& clock, can::Bus& bus, gpio::Pins& pins,
        can::MeasurementDecoder& decoder, can::CommandEncoder& encoder, tick::Tick& tick, Recorder* recorder);
 
+  /// Before run(): somebody who watches, and must outlive the loop.
+  void watchedBy(Watchdog& watchdog) noexcept { watchdog_ = &watchdog; }
+
   /// Runs in the calling thread until max_ticks, until the bus is exhausted, or until `stop` is set; then
   /// sends zero torque and drops drive enable.
   void run(const std::atomic<bool>& stop) noexcept;
@@ -75,7 +84,8 @@ class Loop {
  private:
   void tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
-  safety::FaultSet hostFaults() noexcept PATELLA_NONBLOCKING;
+  safety::FaultSet hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
+  safety::WarningSet hostWarnings() noexcept PATELLA_NONBLOCKING;
   void sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING;
   void account(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
   void record(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
@@ -90,6 +100,7 @@ class Loop {
   can::CommandEncoder& encoder_;
   tick::Tick& tick_;
   Recorder* recorder_;
+  Watchdog* watchdog_ = nullptr;
   std::vector<can::Frame> frames_;
   std::unique_ptr<LoopStatistics> statistics_;
   TickRecord record_;
@@ -98,6 +109,8 @@ class Loop {
   int consecutive_overruns_ = 0;
   int consecutive_send_failures_ = 0;
   std::int64_t sent_wall_ns_ = 0;
+  std::int64_t wall_offset_ns_ = 0;
+  bool wall_offset_known_ = false;
   safety::FaultSet previous_faults_;
   bool heartbeat_ = false;
 };

@@ -1,9 +1,9 @@
 #include "firmware_app/realtime/service_notifier.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdlib>
-#include <stdexcept>
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -12,23 +12,10 @@
 namespace patella::app {
 
 ServiceNotifier::ServiceNotifier() {
-  const char* const address = std::getenv("NOTIFY_SOCKET");  // NOLINT(concurrency-mt-unsafe): set-up, once
-  const char* const watchdog_us =
-      std::getenv("WATCHDOG_USEC");  // NOLINT(concurrency-mt-unsafe): set-up, once
-  if (address == nullptr || (address[0] != '/' && address[0] != '@')) {
-    return;
-  }
-  address_ = address;
-  if (address_.size() >= sizeof(sockaddr_un::sun_path)) {
-    throw std::invalid_argument("NOTIFY_SOCKET is " + std::to_string(address_.size()) +
-                                " characters long, expected a socket's path");
-  }
-  if (address_[0] == '@') {
-    address_[0] = '\0';  // a name in the abstract namespace
-  }
-  socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (watchdog_us != nullptr) {
-    feed_period_ = std::chrono::microseconds(std::strtoll(watchdog_us, nullptr, 10) / 2);
+  const char* path = std::getenv("NOTIFY_SOCKET");
+  if (path != nullptr && (path[0] == '/' || path[0] == '@')) {
+    path_ = path;
+    socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   }
 }
 
@@ -38,38 +25,39 @@ ServiceNotifier::~ServiceNotifier() {
   }
 }
 
-void ServiceNotifier::progress(std::uint64_t count, Instant now) {
-  if (count == fed_count_) {
-    return;
+bool ServiceNotifier::notify(std::string_view state) const noexcept {
+  sockaddr_un address{};
+  if (socket_ < 0 || path_.size() >= sizeof address.sun_path) {
+    return false;
   }
-  if (!ready_) {
-    ready_ = true;
-    send("READY=1");
-  } else if (feed_period_.count() <= 0 || now - fed_at_ < feed_period_) {
-    return;
+  address.sun_family = AF_UNIX;
+  std::copy(path_.begin(), path_.end(), address.sun_path);
+  if (path_.front() == '@') {
+    address.sun_path[0] = '\0';  // the abstract namespace
   }
-  fed_count_ = count;
-  fed_at_ = now;
-  if (feed_period_.count() > 0) {
-    send("WATCHDOG=1");
-  }
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path_.size());
+  const ssize_t sent = sendto(socket_, state.data(), state.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
+                              reinterpret_cast<const sockaddr*>(&address), length);
+  return sent == static_cast<ssize_t>(state.size());
 }
 
-void ServiceNotifier::stopping() {
-  send("STOPPING=1");
-}
-
-void ServiceNotifier::send(std::string_view message) const {
-  if (socket_ < 0) {
-    return;
+std::optional<std::chrono::microseconds> ServiceNotifier::watchdogInterval() {
+  const auto number = [](const char* name) -> std::optional<long long> {
+    const char* text = std::getenv(name);
+    if (text == nullptr) {
+      return std::nullopt;
+    }
+    const std::string_view digits(text);
+    long long value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc() && end == digits.data() + digits.size() ? std::optional(value) : std::nullopt;
+  };
+  const auto process = number("WATCHDOG_PID");
+  const auto period_us = number("WATCHDOG_USEC");
+  if (!period_us || *period_us <= 0 || (process && *process != getpid())) {
+    return std::nullopt;
   }
-  sockaddr_un target{};
-  target.sun_family = AF_UNIX;
-  std::copy(address_.begin(), address_.end(), target.sun_path);
-  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
-  // A manager that does not listen is no reason to stop.
-  static_cast<void>(sendto(socket_, message.data(), message.size(), MSG_NOSIGNAL,
-                           reinterpret_cast<const sockaddr*>(&target), size));
+  return std::chrono::microseconds(*period_us / 2);
 }
 
 }  // namespace patella::app

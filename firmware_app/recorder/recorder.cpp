@@ -3,9 +3,11 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
@@ -13,12 +15,14 @@
 
 #include "core/safety/fault.hpp"
 #include "core/safety/state_machine.hpp"
+#include "core/safety/warning.hpp"
 #include "drivers/can/candump_log.hpp"
 
 namespace patella::app {
 namespace {
 
 constexpr auto kWriterPeriod = std::chrono::milliseconds(10);
+constexpr auto kDiskPeriod = std::chrono::seconds(1);
 constexpr std::size_t kFileBuffer = 1U << 18;
 constexpr std::array kFileNames = {"frames.log", "ticks.csv", "events.log"};
 
@@ -72,6 +76,25 @@ void requireNoRecording(const std::filesystem::path& folder) {
   }
 }
 
+// Bytes that may still be written where the folder is, or will be; the largest number where nobody can tell.
+std::uint64_t freeBytes(std::filesystem::path folder) {
+  std::error_code error;
+  while (!folder.empty() && !std::filesystem::exists(folder, error) && folder != folder.parent_path()) {
+    folder = folder.parent_path();
+  }
+  const auto space = std::filesystem::space(folder.empty() ? "." : folder, error);
+  return error ? std::numeric_limits<std::uint64_t>::max() : space.available;
+}
+
+void requireRoom(const RecorderOptions& options) {
+  const std::uint64_t available = freeBytes(options.folder);
+  if (available < options.min_free_bytes) {
+    throw std::runtime_error(options.folder.string() + ": " + std::to_string(available / 1'000'000) +
+                             " MB are free on its disk, expected at least " +
+                             std::to_string(options.min_free_bytes / 1'000'000) + " (loop.min_free_MB)");
+  }
+}
+
 // The folder and those above it that are not there, outermost first.
 std::vector<std::filesystem::path> missingFolders(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> missing;
@@ -101,6 +124,7 @@ class Recorder::Files {
     }
     line_ += '\n';
     ticks_.write(line_.data(), line_.size());
+    events_.write(options.heading.data(), options.heading.size());
   }
 
   void write(const can::Frame& frame) {
@@ -151,7 +175,8 @@ class Recorder::Files {
 
   // A line for every change of state and for every cause that appears or goes.
   void writeEvents(const TickRecord& record) {
-    if (record.state == last_state_ && record.faults == last_faults_ && record.missed_periods == 0) {
+    if (record.state == last_state_ && record.faults == last_faults_ && record.missed_periods == 0 &&
+        record.warnings == last_warnings_) {
       return;
     }
     line_ = "t_s=";
@@ -166,6 +191,13 @@ class Recorder::Files {
         line_ += std::string(is ? " raised=" : " cleared=") + std::string(safety::faultName(fault));
       }
     }
+    for (int i = 0; i < safety::kWarningCount; ++i) {
+      const auto warning = static_cast<safety::Warning>(i);
+      const bool is = safety::WarningSet(record.warnings).has(warning);
+      if (is != safety::WarningSet(last_warnings_).has(warning)) {
+        line_ += std::string(is ? " warning=" : " no_longer=") + std::string(safety::warningName(warning));
+      }
+    }
     if (record.missed_periods != 0) {
       line_ += " missed_periods=" + std::to_string(record.missed_periods);
     }
@@ -173,6 +205,7 @@ class Recorder::Files {
     events_.write(line_.data(), line_.size());
     last_state_ = record.state;
     last_faults_ = record.faults;
+    last_warnings_ = record.warnings;
   }
 
   std::string channel_;
@@ -184,10 +217,12 @@ class Recorder::Files {
   std::array<char, can::kMaxLogLine> buffer_{};
   std::uint8_t last_state_ = 255;
   std::uint32_t last_faults_ = 0;
+  std::uint32_t last_warnings_ = 0;
 };
 
 Recorder::Recorder(const RecorderOptions& options) : options_(options) {
   requireNoRecording(options.folder);
+  requireRoom(options);
   try {
     created_ = missingFolders(options.folder);
     std::error_code error;
@@ -222,6 +257,15 @@ void Recorder::discard() noexcept {
   }
 }
 
+bool Recorder::behind() noexcept PATELLA_NONBLOCKING {
+  const auto crowded = [](const auto& ring) { return 4 * ring.size() > 3 * ring.capacity(); };
+  const std::uint64_t dropped = dropped_ticks_ + dropped_frames_;
+  const bool lost = dropped != dropped_before_;
+  dropped_before_ = dropped;
+  // A lossless recorder makes the loop wait: its rings may be full.
+  return lost || (!options_.lossless && (crowded(ticks_) || crowded(frames_)));
+}
+
 void Recorder::tick(const TickRecord& record) noexcept PATELLA_NONBLOCKING {
   while (!ticks_.push(record)) {
     if (!options_.lossless) {
@@ -243,7 +287,12 @@ void Recorder::frame(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
 void Recorder::write(Files& files) {
   can::Frame frame;
   TickRecord record;
+  auto next_look = std::chrono::steady_clock::now();
   while (true) {
+    if (const auto now = std::chrono::steady_clock::now(); options_.min_free_bytes > 0 && now >= next_look) {
+      next_look = now + kDiskPeriod;
+      disk_low_.store(freeBytes(options_.folder) < options_.min_free_bytes, std::memory_order_relaxed);
+    }
     const bool last_round = stop_.load(std::memory_order_acquire);
     bool worked = false;
     while (frames_.pop(frame)) {

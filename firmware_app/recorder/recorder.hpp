@@ -19,6 +19,8 @@ struct RecorderOptions {
   std::filesystem::path folder;
   std::string channel = "can0";  ///< interface name in frames.log
   int joints = kMaxJoints;
+  std::string heading;               ///< whole lines, to begin events.log with
+  std::uint64_t min_free_bytes = 0;  ///< on the folder's disk, at the start and then as a warning
   bool lossless = false;  ///< wait for the writer instead of dropping: only where no wall clock runs
 };
 
@@ -41,6 +43,11 @@ class Recorder {
   /// For a run that is refused before its first tick: closes, and removes what the constructor created.
   void discard() noexcept;
 
+  /// Loop side: records were dropped since the last call, or the rings are three quarters full.
+  bool behind() noexcept PATELLA_NONBLOCKING;
+  /// Less than min_free_bytes are left; looked at by the writer every second.
+  bool diskLow() const noexcept PATELLA_NONBLOCKING { return disk_low_.load(std::memory_order_relaxed); }
+
   std::uint64_t droppedTicks() const noexcept { return dropped_ticks_; }
   std::uint64_t droppedFrames() const noexcept { return dropped_frames_; }
   std::uint64_t writtenTicks() const noexcept { return written_ticks_.load(std::memory_order_acquire); }
@@ -61,6 +68,8 @@ class Recorder {
   std::atomic<std::uint64_t> written_ticks_{0};
   std::atomic<std::uint64_t> written_frames_{0};
   std::atomic<bool> stop_{false};
+  std::atomic<bool> disk_low_{false};
+  std::uint64_t dropped_before_ = 0;
   std::string error_;
   RecorderOptions options_;
   std::vector<std::filesystem::path> created_;  ///< folders from the outermost, then files

@@ -44,11 +44,21 @@ Json errors(const ErrorStatistics& statistics, int joints) {
   return out;
 }
 
-Json inputs(const RunConfig& config) {
+Json inputs(const std::vector<InputFile>& files) {
   Json out;
+  for (const InputFile& file : files) {
+    out[file.role] = {{"file", file.path.filename().string()}, {"sha256", file.sha256}};
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<InputFile> inputFiles(const RunConfig& config) {
+  std::vector<InputFile> files;
   const auto add = [&](const char* role, const std::filesystem::path& path) {
     if (!path.empty()) {
-      out[role] = {{"file", path.filename().string()}, {"sha256", fileSha256(path)}};
+      files.push_back({role, path, fileSha256(path)});
     }
   };
   add("configuration", config.path);
@@ -64,16 +74,35 @@ Json inputs(const RunConfig& config) {
   if (config.backend.kind == BackendKind::kReplay) {
     add("log", config.backend.target);
   }
-  return out;
+  return files;
 }
+
+std::vector<std::string> changedFiles(const std::vector<InputFile>& files) {
+  std::vector<std::string> changed;
+  for (const InputFile& file : files) {
+    std::string now;
+    try {
+      now = fileSha256(file.path);
+    } catch (const FileError&) {
+      now.clear();  // gone, or not to be read: not as it was
+    }
+    if (now != file.sha256) {
+      changed.push_back(file.role);
+    }
+  }
+  return changed;
+}
+
+namespace {
 
 Json messages(const can::MeasurementDecoder& decoder) {
   Json out;
   for (std::size_t i = 0; i < decoder.messageCount(); ++i) {
     const can::MessageStatistics& m = decoder.statistics(i);
-    out[std::string(decoder.messageName(i))] = {{"received", m.received}, {"lost", m.lost},
-                                                {"late", m.late},         {"corrupt", m.corrupt},
-                                                {"repeated", m.repeated}, {"out_of_range", m.out_of_range}};
+    out[std::string(decoder.messageName(i))] = {
+        {"received", m.received},        {"lost", m.lost},         {"late", m.late},
+        {"corrupt", m.corrupt},          {"repeated", m.repeated}, {"reordered", m.reordered},
+        {"out_of_range", m.out_of_range}};
   }
   return out;
 }
@@ -93,6 +122,11 @@ Json safety(const RunConfig& config, const LoopStatistics& loop) {
     if (loop.fault_events[index] != 0) {
       out["faults"][std::string(safety::faultName(fault))] = {{"events", loop.fault_events[index]},
                                                               {"ticks", loop.fault_ticks[index]}};
+    }
+  }
+  for (int i = 0; i < safety::kWarningCount; ++i) {
+    if (const std::uint64_t ticks = loop.warning_ticks[static_cast<std::size_t>(i)]; ticks != 0) {
+      out["warnings"][std::string(safety::warningName(static_cast<safety::Warning>(i)))] = {{"ticks", ticks}};
     }
   }
   for (int i = 0; i < safety::kStateCount; ++i) {
@@ -142,9 +176,9 @@ std::string perJoint(const Json& values, const char* format) {
 
 }  // namespace
 
-Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::BusStatistics& bus,
-               const can::MeasurementDecoder& decoder, const Recorder& recorder,
-               const RealtimeReport* realtime) {
+Json summarise(const RunConfig& config, const std::vector<InputFile>& files, const LoopStatistics& loop,
+               const can::BusStatistics& bus, const can::MeasurementDecoder& decoder,
+               const Recorder& recorder, const RealtimeReport* realtime) {
   const int joints = config.model.joints();
   Json out;
   out["patella"] = PATELLA_VERSION;
@@ -155,7 +189,7 @@ Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::B
   out["rate_Hz"] = config.loop.rate_Hz;
   out["observer"] = observerName(config.observer.kind);
   out["ticks"] = loop.ticks;
-  out["inputs"] = inputs(config);
+  out["inputs"] = inputs(files);
   if (config.backend.kind == BackendKind::kSim) {
     out["seed"] = config.rig.seed;
   }
@@ -183,6 +217,9 @@ Json summarise(const RunConfig& config, const LoopStatistics& loop, const can::B
                 {"error_passive", bus.error_passive},     {"unknown_frames", decoder.unknownFrames()},
                 {"messages", messages(decoder)}};
   out["safety"] = safety(config, loop);
+  if (const std::vector<std::string> changed = changedFiles(files); !changed.empty()) {
+    out["safety"]["warnings"][std::string(warningName(safety::Warning::kFileChanged))]["files"] = changed;
+  }
   if (loop.sampler_error.count > 0) {
     out["estimation_error"]["sampler"] = errors(loop.sampler_error, joints);
   }
@@ -251,6 +288,14 @@ std::string summaryText(const Json& s) {
   for (const auto& [name, counts] : safe["faults"].items()) {
     text += fmt::format("    {}: {} times, {} ticks\n", name, counts["events"].get<std::uint64_t>(),
                         counts["ticks"].get<std::uint64_t>());
+  }
+  if (safe.contains("warnings")) {
+    for (const auto& [name, counts] : safe["warnings"].items()) {
+      text += fmt::format("    warning {}: {}\n", name,
+                          counts.contains("files")
+                              ? counts["files"].dump()
+                              : std::to_string(counts["ticks"].get<std::uint64_t>()) + " ticks");
+    }
   }
   if (s.contains("estimation_error")) {
     for (const auto& [name, error] : s["estimation_error"].items()) {

@@ -1,7 +1,9 @@
 // What a run comes to: summary.json for programs, a page of text for people.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -14,11 +16,25 @@
 
 namespace patella::app {
 
+/// A file that the run was configured from, as it was when the run began.
+struct InputFile {
+  std::string role;
+  std::filesystem::path path;
+  std::string sha256;
+};
+
+/// Reads every file that the configuration names. Throws FileError.
+std::vector<InputFile> inputFiles(const RunConfig& config);
+
+/// Roles of those that are no longer as they were.
+std::vector<std::string> changedFiles(const std::vector<InputFile>& files);
+
 /// Only what the run determines, no date and no path of the output, so that two equal runs have equal
 /// summaries. `realtime` may be null: then (virtual clock) nothing of the host is in it.
-nlohmann::ordered_json summarise(const RunConfig& config, const LoopStatistics& loop,
-                                 const can::BusStatistics& bus, const can::MeasurementDecoder& decoder,
-                                 const Recorder& recorder, const RealtimeReport* realtime);
+nlohmann::ordered_json summarise(const RunConfig& config, const std::vector<InputFile>& files,
+                                 const LoopStatistics& loop, const can::BusStatistics& bus,
+                                 const can::MeasurementDecoder& decoder, const Recorder& recorder,
+                                 const RealtimeReport* realtime);
 
 /// The same for the console.
 std::string summaryText(const nlohmann::ordered_json& summary);

@@ -23,9 +23,10 @@ struct TickRecord {
   JointArray torque_gravity_Nm{}, torque_model_Nm{}, torque_emg_Nm{}, torque_impedance_Nm{};
   JointArray torque_compensation_Nm{}, torque_command_Nm{};
   EmgArray emg_mV{}, activation{};
-  std::uint32_t faults = 0;  ///< FaultSet of this tick
-  std::uint32_t limits = 0;  ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8
-  std::uint8_t state = 0;    ///< safety::State
+  std::uint32_t faults = 0;    ///< FaultSet of this tick
+  std::uint32_t warnings = 0;  ///< safety::WarningSet
+  std::uint32_t limits = 0;    ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8
+  std::uint8_t state = 0;      ///< safety::State
   std::uint8_t encoder_steps = 0;
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
   std::int64_t wakeup_latency_ns = 0;  ///< woken later than scheduled by

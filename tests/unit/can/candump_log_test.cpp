@@ -116,6 +116,29 @@ TEST_CASE("a line that is none is refused with what was found and expected") {
   CHECK(errorOf("(1604665770.960915) can0 123#00 R junk") == "found 'junk', expected the end of the line");
 }
 
+TEST_CASE("a log that was cut at any byte is read up to there, and it is told where") {
+  const std::string line = "(1604665770.960915) can0 202#9019F50000000000\n";
+  const std::string whole = line + line + line;
+  int cut = 0;
+  for (std::size_t size = line.size(); size <= whole.size(); ++size) {
+    const test::TemporaryFile file(whole.substr(0, size));
+    CandumpReader reader(file.path());
+    LogEntry entry;
+    std::size_t frames = 0;
+    while (reader.next(entry)) {
+      ++frames;
+    }
+    CAPTURE(size);
+    const std::size_t complete = size / line.size();
+    // Cut after some data, a line is a shorter frame; its message's length and CRC tell.
+    CHECK(frames >= complete);
+    CHECK(frames <= complete + 1);
+    CHECK((reader.cutLine() == 0 || (reader.cutLine() == complete + 1 && frames == complete)));
+    cut += reader.cutLine() != 0 ? 1 : 0;
+  }
+  CHECK(cut > 50);
+}
+
 TEST_CASE("a file is read line by line, with or without a last line feed, and errors are located") {
   const test::TemporaryFile good(
       "(0000000001.000000) can0 123#01\n\n(0000000001.000001) can0 123#02\r\n(0000000001.000002) can0 "

@@ -1,83 +1,18 @@
 #include "drivers/can/measurement_decoder.hpp"
 
 #include <array>
-#include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
 
-#include "rig_map.hpp"
+#include "decoder_fixture.hpp"
 
 using namespace patella;
 using namespace patella::can;
+using namespace patella::can::test;
 using safety::Fault;
-
-namespace {
-
-constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kEpoch = 1'700'000'000'000'000'000;
-
-/// Sends the rig's messages by name; counters run on, so a frame that is made and not delivered is a lost
-/// one.
-class Rig {
- public:
-  using Values = std::vector<std::pair<const char*, double>>;
-
-  Frame make(const std::string& name, std::int64_t time_ns, const Values& values) {
-    for (auto& [known, encoder] : encoders_) {
-      if (known == name)
-        return fill(encoder, time_ns, values);
-    }
-    const Protection protection = name == "Truth" ? Protection{} : test::protectionOf(name);
-    encoders_.emplace_back(name, MessageEncoder(database_.message(name), protection));
-    return fill(encoders_.back().second, time_ns, values);
-  }
-
-  const Database& database() const { return database_; }
-
- private:
-  static Frame fill(MessageEncoder& encoder, std::int64_t time_ns, const Values& values) {
-    Frame frame = encoder.blank();
-    for (const auto& [signal, value] : values)
-      encoder.set(frame, encoder.slot(signal), value);
-    encoder.seal(frame);
-    frame.monotonic_ns = time_ns;
-    frame.wall_ns = kEpoch + time_ns;
-    return frame;
-  }
-
-  Database database_ = test::rigDatabase();
-  std::vector<std::pair<std::string, MessageEncoder>> encoders_;
-};
-
-struct Fixture {
-  explicit Fixture(const BusMap& map = test::rigMap()) : decoder(rig.database(), map, 2) {}
-
-  void encoders(std::int64_t time_ns, double hip_rad, double knee_rad) {
-    decoder.accept(rig.make("Encoder1", time_ns, {{"Position", hip_rad}, {"Velocity", 1.0}}));
-    decoder.accept(rig.make("Encoder2", time_ns, {{"Position", knee_rad}, {"Velocity", -2.0}}));
-  }
-  void others(std::int64_t time_ns) {
-    decoder.accept(rig.make("DriveStatus", time_ns, {{"Torque1", 3.0}, {"Torque2", -4.0}, {"Enabled", 1}}));
-    decoder.accept(rig.make("Emg", time_ns, {{"Channel1", 0.3}, {"Channel2", -0.6}}));
-    decoder.accept(rig.make("Operator", time_ns, {{"Enable", 1}, {"Reset", 1}}));
-  }
-  const MessageStatistics& statistics(const std::string& name) const {
-    for (std::size_t i = 0; i < decoder.messageCount(); ++i) {
-      if (decoder.messageName(i) == name)
-        return decoder.statistics(i);
-    }
-    throw std::invalid_argument(name);
-  }
-
-  Rig rig;
-  MeasurementDecoder decoder;
-};
-
-}  // namespace
 
 TEST_CASE("all inputs arrive in SI units, and the reading is complete once each has been seen") {
   Fixture f;
@@ -180,98 +115,6 @@ TEST_CASE("encoder steps count sensor periods between complete sets, whatever is
     CHECK(f.decoder.finish(10 * kMillisecond).measurement.encoder_steps == 1);
     f.decoder.accept(f.rig.make("Encoder1", 11 * kMillisecond, {}));
     CHECK(f.decoder.finish(11 * kMillisecond).measurement.encoder_steps == 0);
-  }
-}
-
-TEST_CASE("a frame that was overtaken, or recorded and played again, changes nothing") {
-  Fixture f;
-  f.encoders(0, 0.0, 0.0);
-  const Frame old = f.rig.make("Encoder1", kMillisecond, {{"Position", 0.3}});
-  f.decoder.accept(old);
-  for (std::int64_t t = 2; t < 40; ++t) {
-    f.encoders(t * kMillisecond, 0.001 * static_cast<double>(t), 0.0);
-    f.decoder.finish(t * kMillisecond);
-  }
-  Frame replayed = old;
-  replayed.monotonic_ns = 39 * kMillisecond;
-  replayed.wall_ns = kEpoch + replayed.monotonic_ns;
-  f.decoder.accept(replayed);
-  const Reading reading = f.decoder.finish(39 * kMillisecond);
-  CHECK(reading.measurement.position_rad[0] == doctest::Approx(0.039));
-  CHECK(f.statistics("Encoder1").reordered == 1);
-  CHECK_FALSE(reading.faults.any());
-  f.encoders(40 * kMillisecond, 0.04, 0.0);
-  CHECK(f.decoder.finish(40 * kMillisecond).measurement.encoder_steps == 1);
-}
-
-TEST_CASE("frames lost from a bunch that comes late are told by the stamps") {
-  Fixture f;
-  f.encoders(0, 0.0, 0.0);
-  f.decoder.finish(0);
-  for (int i = 0; i < 10; ++i) {
-    f.rig.make("Encoder1", 0, {});
-    f.rig.make("Encoder2", 0, {});
-  }
-  // Taken off the bus at once, 20 ms late.
-  for (std::int64_t t = 11; t < 20; ++t) {
-    for (const char* name : {"Encoder1", "Encoder2"}) {
-      Frame frame = f.rig.make(name, t * kMillisecond, {});
-      frame.monotonic_ns = 20 * kMillisecond;
-      f.decoder.accept(frame);
-    }
-  }
-  CHECK(f.decoder.finish(20 * kMillisecond).measurement.encoder_steps == 19);
-  CHECK(f.statistics("Encoder1").reordered == 0);
-}
-
-TEST_CASE("one forged frame before each genuine one is found out, though no two in a row are bad") {
-  Fixture f;
-  f.encoders(0, 0.0, 0.0);
-  int detected = 0;
-  for (std::int64_t t = 1; t < 30 && detected == 0; ++t) {
-    Frame genuine = f.rig.make("Encoder1", t * kMillisecond, {});
-    Frame forged = genuine;  // right counter, right CRC
-    f.decoder.accept(forged);
-    f.decoder.accept(genuine);
-    f.decoder.accept(f.rig.make("Encoder2", t * kMillisecond, {}));
-    if (f.decoder.finish(t * kMillisecond).faults.has(Fault::kFrameSequence))
-      detected = static_cast<int>(t);
-  }
-  CHECK(detected > 3);
-  CHECK(detected <= 10);
-}
-
-TEST_CASE("a bad frame now and then is no fault, every fourth is") {
-  for (const int period : {4, 20}) {
-    CAPTURE(period);
-    Fixture f;
-    bool fault = false;
-    for (int t = 0; t < 2000; ++t) {
-      const std::int64_t now = t * kMillisecond;
-      f.encoders(now, 0.0, 0.0);
-      f.others(now);
-      if (t % period == 0) {
-        Frame corrupt = f.rig.make("DriveStatus", now, {});
-        corrupt.data[0] ^= 0x01;
-        f.decoder.accept(corrupt);
-      }
-      fault = fault || f.decoder.finish(now).faults.has(Fault::kFrameCorrupt);
-    }
-    CHECK(fault == (period == 4));
-  }
-}
-
-TEST_CASE("a wall clock that is set by half a second makes no half second pass") {
-  Fixture f;
-  std::int64_t set_ns = 0;
-  for (std::int64_t t = 0; t < 20; ++t) {
-    set_ns = t >= 10 ? 500 * kMillisecond : 0;
-    for (const char* name : {"Encoder1", "Encoder2"}) {
-      Frame frame = f.rig.make(name, t * kMillisecond, {});
-      frame.wall_ns += set_ns;
-      f.decoder.accept(frame);
-    }
-    CHECK(f.decoder.finish(t * kMillisecond).measurement.encoder_steps == 1);
   }
 }
 

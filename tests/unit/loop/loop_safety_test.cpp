@@ -96,6 +96,28 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a gap between two ticks that is longer than tolerated is a fault of the tick after it") {
+  for (const bool too_long : {false, true}) {
+    CAPTURE(too_long);
+    SimulatedRun run;
+    run.options().overruns_tolerated = 100;
+    run.options().stall_tolerated_s = 0.004;
+    run.script = [&](int tick) { run.clock.pass(tick == 500 ? (too_long ? 7 : 4) * kPeriod_ns : 0); };
+    const LoopStatistics& statistics = run.run(600);
+    CHECK(statistics.latched.has(Fault::kOverrun) == too_long);
+    CHECK(run.command(501).enable == !too_long);
+  }
+}
+
+TEST_CASE("a wall clock that is set is told of and stops nothing") {
+  SimulatedRun run;
+  run.script = [&](int tick) { run.clock.set(tick == 500 ? 60'000'000'000 : 0); };
+  const LoopStatistics& statistics = run.run(600);
+  CHECK(statistics.clock_steps == 1);
+  CHECK(statistics.warning_ticks[static_cast<std::size_t>(safety::Warning::kClockStepped)] == 1);
+  CHECK(statistics.final_state == State::kActive);
+}
+
 TEST_CASE("a bus that is off is a fault in the same tick") {
   SimulatedRun run;
   run.script = [&](int tick) { run.bus.off = tick == 500; };

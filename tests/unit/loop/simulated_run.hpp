@@ -25,14 +25,17 @@ inline constexpr std::size_t kLongestRun = 4096;  ///< ticks
 class HandClock final : public Clock {
  public:
   std::int64_t now() const noexcept PATELLA_NONBLOCKING override { return now_ns_; }
-  std::int64_t wallNow() const noexcept PATELLA_NONBLOCKING override { return now_ns_; }
+  std::int64_t wallNow() const noexcept PATELLA_NONBLOCKING override { return now_ns_ + wall_ns_; }
   void sleepUntil(std::int64_t instant_ns) noexcept override {
     now_ns_ = instant_ns > now_ns_ ? instant_ns : now_ns_;
   }
   void pass(std::int64_t span_ns) noexcept { now_ns_ += span_ns; }
+  /// Sets the wall clock forth.
+  void set(std::int64_t span_ns) noexcept { wall_ns_ += span_ns; }
 
  private:
   std::int64_t now_ns_ = 0;
+  std::int64_t wall_ns_ = 0;
 };
 
 /// The rig's bus, with a line that can be cut for sending. Each receive() begins a tick.

@@ -79,6 +79,25 @@ TEST_CASE("encoder and rate: any smooth motion is consistent; jump, drift, freez
   CHECK(detectedAfter(0.0, 0.0, false, 0.0) > 0);
 }
 
+TEST_CASE("a position that does not change by a bit is found frozen in slow motion, and at rest it is none") {
+  const auto foundAfter = [](double rate_rad_s, double step_rad) {
+    EncoderMonitor monitor(1, {});
+    JointVector q = JointVector::Zero(1);
+    const JointVector dq = JointVector::Constant(1, rate_rad_s);
+    for (int k = 0; k < 2000; ++k) {
+      q[0] = k % 2 == 0 ? step_rad : 0.0;
+      if (monitor.update(q, dq, kTick_s)) {
+        return k;
+      }
+    }
+    return -1;
+  };
+  CHECK(foundAfter(0.06, 0.0) > 20);
+  CHECK(foundAfter(0.06, 0.0) < 150);
+  CHECK(foundAfter(0.06, 1e-5) == -1);  // moves, if only a little
+  CHECK(foundAfter(0.03, 0.0) == -1);
+}
+
 TEST_CASE("the encoder's monitor starts anew after what is no number, and after a silence") {
   EncoderMonitor monitor(2, {});
   CHECK_FALSE(monitor.update(pair(0.0, 0.0), pair(0.0, 0.0), kTick_s));
@@ -237,7 +256,7 @@ TEST_CASE("an electrode at the end of its range is saturated") {
   CHECK(emgUntil(Fault::kEmgSaturated, [](int k) { return k < 100 ? muscle(k) : 1.5; }) == 120);
   CHECK(emgUntil(Fault::kEmgSaturated, [](int k) { return k < 100 ? muscle(k) : -1.5; }) == 120);
   CHECK(emgUntil(Fault::kEmgSaturated, [](int k) { return k % 2 == 0 ? 1.5 : 0.0; }) == -1);
-  CHECK(emgUntil(Fault::kEmgSaturated, [](int) { return 1.49; }) == -1);
+  CHECK(emgUntil(Fault::kEmgSaturated, [](int) { return 1.44; }) == -1);
 }
 
 TEST_CASE("mains hum is told from muscle by its frequency") {
@@ -306,6 +325,7 @@ TEST_CASE("no monitor can be set so that it does not watch") {
   CHECK_NOTHROW(requireSound({}));
   refused([](auto& s) { s.encoder.inconsistency_rad = 1.01 * kCeilingInconsistency_rad; });
   refused([](auto& s) { s.encoder.inconsistency_rad = kNaN; });
+  refused([](auto& s) { s.encoder.frozen_rad = 1.01 * kCeilingInconsistency_rad; });
   refused([](auto& s) { s.encoder.consistency_time_s = 1.01 * kCeilingConsistencyTime_s; });
   refused([](auto& s) { s.motion.unknown_torque_Nm[1] = 1.01 * kCeilingUnknownTorque_Nm; });
   refused([](auto& s) { s.motion.unknown_time_s = 1.01 * kCeilingMonitorTime_s; });

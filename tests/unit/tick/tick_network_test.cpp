@@ -1,4 +1,6 @@
 // A network in the tick: its estimate, its use, and the networks that are refused.
+#include <cmath>
+
 #include <doctest/doctest.h>
 
 #include "core/network/network_weights.hpp"
@@ -6,6 +8,7 @@
 
 using namespace patella;
 using namespace patella::tick;
+using safety::State;
 
 namespace {
 
@@ -87,6 +90,28 @@ TEST_CASE("compensation by the network asks for the opposite of the torque that 
   const TickOutput& output = leg.run(20);
   REQUIRE(output.command.enable);
   CHECK(output.control.compensation.isApprox(pair(-1.0, -2.0), 1e-6));
+}
+
+TEST_CASE(
+    "a network that contradicts the observer gives way to it, says so, and is trusted anew after a stop") {
+  SimulatedLeg leg(compensating(), {}, constantNetwork(pair(0.0, 8.0), network::OutputKind::kTorque));
+  leg.enable(false);
+  leg.run(15);
+  leg.enable(true);
+  leg.run(10);
+  leg.enable(false);
+  leg.step();
+  leg.enable(true);
+  const TickOutput& first = leg.step();
+  REQUIRE(first.state == State::kActive);
+  CHECK_FALSE(leg.step().warnings.any());
+  const TickOutput& trusted = leg.run(15);
+  CHECK_FALSE(trusted.warnings.any());
+  CHECK(trusted.control.compensation[1] == doctest::Approx(-8.0));
+  const TickOutput& distrusted = leg.run(20);
+  CHECK(distrusted.warnings.has(safety::Warning::kNetworkFallback));
+  CHECK(std::abs(distrusted.control.compensation[1]) < 0.5);
+  CHECK(distrusted.state == State::kActive);
 }
 
 TEST_CASE("no estimate of a network without a new encoder sample") {

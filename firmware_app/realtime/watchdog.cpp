@@ -1,0 +1,86 @@
+#include "firmware_app/realtime/watchdog.hpp"
+
+#include <chrono>
+
+#include <pthread.h>
+
+#include "core/check.hpp"
+
+namespace patella::app {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+/// Looks at the loop so many times in a timeout.
+constexpr int kLooks = 8;
+constexpr double kShortestTimeout_s = 0.002;
+
+}  // namespace
+
+Watchdog::Watchdog(const WatchdogOptions& options, gpio::Pins& pins) : options_(options), pins_(pins) {
+  requireRange("watchdog.timeout_s", options.timeout_s, kShortestTimeout_s,
+               WatchdogOptions::kCeilingTimeout_s);
+  thread_ = std::thread([this] { run(); });
+}
+
+void Watchdog::stop() noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+    manager_.notify("STOPPING=1");
+    pins_.setWatchdogHeartbeat(false);
+  }
+}
+
+void Watchdog::run() noexcept {
+  if (options_.priority > 0) {
+    sched_param parameters{};
+    parameters.sched_priority = options_.priority;
+    pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  }
+  const auto timeout =
+      std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(options_.timeout_s));
+  const auto manager_interval = ServiceNotifier::watchdogInterval();
+  std::uint64_t seen = 0;
+  auto seen_at = SteadyClock::now();
+  auto told_at = SteadyClock::time_point{};
+  bool ready = false;
+  bool tripped = false;
+  bool level = false;
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, timeout / kLooks, [this] { return stopping_; })) {
+    const auto now = SteadyClock::now();
+    const std::uint64_t beats = beats_.load(std::memory_order_relaxed);
+    if (beats == 0) {
+      continue;
+    }
+    if (beats != seen) {
+      seen = beats;
+      seen_at = now;
+      tripped = false;
+      level = !level;
+      pins_.setWatchdogHeartbeat(level);
+      if (!ready) {
+        ready = true;
+        manager_.notify("READY=1");
+      }
+      if (manager_interval && now - told_at >= *manager_interval) {
+        told_at = now;
+        manager_.notify("WATCHDOG=1");
+      }
+      continue;
+    }
+    if (now - seen_at > timeout && !tripped) {
+      tripped = true;
+      pins_.setDriveEnable(false);
+      trips_.fetch_add(1, std::memory_order_relaxed);
+      tripped_.store(true, std::memory_order_release);
+    }
+  }
+}
+
+}  // namespace patella::app
