@@ -1,0 +1,158 @@
+#include "tools/bench/faults/scenario.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "tools/bench/faults/dice.hpp"
+
+namespace patella::bench {
+namespace {
+
+using sim::FaultEvent;
+using sim::FaultKind;
+using sim::FrameChannel;
+
+constexpr double kMild = 0.25;
+
+// What the rig sends and the loop cannot do without, the command, or everything.
+int randomFrameChannel(Dice& dice) {
+  const int drawn = dice.below(sim::kFrameChannelCount + 1);
+  return drawn == sim::kFrameChannelCount ? FaultEvent::kAll : drawn;
+}
+
+double forgedValue(int channel, Dice& dice) {
+  switch (static_cast<FrameChannel>(channel)) {
+    case FrameChannel::kEncoder1:
+    case FrameChannel::kEncoder2:
+      return dice.between(-2.0, 0.1);  // rad
+    case FrameChannel::kEmg:
+      return dice.between(-1.5, 1.5);  // mV
+    case FrameChannel::kOperator:
+      return dice.below(2);
+    default:
+      return dice.between(-150.0, 150.0);  // N·m
+  }
+}
+
+void frameFault(FaultEvent& event, bool mild, Dice& dice) {
+  event.channel = randomFrameChannel(dice);
+  event.probability = mild ? dice.between(0.001, 0.05) : 1.0;
+  event.delay_s = mild ? dice.between(0.001, 0.003) : dice.between(0.1, 0.5);
+  event.bits = 1 + dice.below(3);
+  if (event.kind == FaultKind::kForgedFrames) {
+    event.channel = dice.below(sim::kFrameChannelCount);
+    event.value = forgedValue(event.channel, dice);
+    event.counter_correct = dice.chance(0.7);
+    event.crc_correct = dice.chance(0.7);
+  }
+}
+
+void encoderFault(FaultEvent& event, bool mild, Dice& dice) {
+  event.channel = dice.below(2);
+  switch (event.kind) {
+    case FaultKind::kEncoderJump:
+      event.value = dice.sign() * (mild ? dice.between(0.0, 0.01) : dice.between(0.03, 2.0));
+      break;
+    case FaultKind::kEncoderDrift:
+      event.value = dice.sign() * (mild ? dice.between(0.0, 0.1) : dice.between(0.35, 5.0));
+      break;
+    case FaultKind::kEncoderWrap:
+      event.value = 2.0 * std::numbers::pi;
+      break;
+    default:
+      event.with_velocity = dice.chance(0.5);
+      break;
+  }
+}
+
+void emgFault(FaultEvent& event, bool mild, Dice& dice) {
+  const int drawn = dice.below(kMaxEmgChannels + 1);
+  event.channel = drawn == kMaxEmgChannels ? FaultEvent::kAll : drawn;
+  switch (event.kind) {
+    case FaultKind::kEmgSaturation:
+      event.value = dice.sign() * (mild ? dice.between(0.2, 1.2) : dice.between(1.49, 1.53));
+      break;
+    case FaultKind::kEmgHum:
+      event.value = mild ? dice.between(0.0, 0.15) : dice.between(0.6, 1.4);
+      event.frequency_Hz = dice.between(49.8, 50.2);
+      break;
+    default:
+      event.value = mild ? 0.02 : 0.0;
+      break;
+  }
+}
+
+// Somewhere in what the leg can reach, with room to its limits.
+control::JointMotion randomMotion(double middle_rad, Dice& dice) {
+  return control::SinusoidMotion{.offset_rad = middle_rad + dice.between(-0.1, 0.1),
+                                 .amplitude_rad = dice.between(0.05, 0.4),
+                                 .frequency_Hz = dice.between(0.2, 0.7),
+                                 .phase_rad = dice.between(-std::numbers::pi, std::numbers::pi)};
+}
+
+}  // namespace
+
+FaultEvent randomFault(FaultKind kind, Dice& dice) {
+  FaultEvent event;
+  event.kind = kind;
+  event.time_s = dice.between(kFirstFault_s, 1.8);
+  event.duration_s = dice.between(0.9, 1.2);
+  const bool mild = dice.chance(kMild);
+  switch (sim::channelGroup(kind)) {
+    case sim::ChannelGroup::kFrames:
+      frameFault(event, mild, dice);
+      break;
+    case sim::ChannelGroup::kEncoder:
+      encoderFault(event, mild, dice);
+      break;
+    case sim::ChannelGroup::kEmg:
+      emgFault(event, mild, dice);
+      break;
+    case sim::ChannelGroup::kDrive:
+      event.channel = dice.below(2);
+      event.value = kind == FaultKind::kDriveOverTorque
+                        ? dice.sign() * (mild ? dice.between(0.0, 3.0) : dice.between(15.0, 120.0))
+                        : (mild ? dice.between(0.8, 1.2) : dice.between(-1.0, 0.0));
+      break;
+    case sim::ChannelGroup::kNone:
+      if (kind == FaultKind::kClockStep) {
+        event.value = dice.sign() * std::pow(10.0, dice.between(-3.0, 4.0));
+      } else if (kind == FaultKind::kGpioBounce) {
+        event.value = dice.between(0.002, 0.02);
+      } else if (kind != FaultKind::kEmergencyStop) {
+        event.duration_s = mild ? dice.between(0.001, 0.003) : dice.between(0.03, 0.5);
+      } else if (mild) {
+        event.duration_s = 0.001;
+      }
+      break;
+  }
+  return event;
+}
+
+app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
+  Dice dice(seed);
+  app::RunConfig config = base;
+  config.clock = app::ClockKind::kVirtual;
+  config.duration_s = kTrialDuration_s;
+  config.loop.max_ticks = static_cast<std::uint64_t>(kTrialDuration_s * config.loop.rate_Hz);
+  config.rig.seed = seed;
+  config.rig.interaction.human_rms_N = dice.between(0.0, 10.0);
+  config.rig.interaction.human_bandwidth_Hz = dice.between(0.5, 2.0);
+  config.rig.drive.bandwidth_Hz = dice.chance(0.5) ? 0.0 : dice.between(60.0, 200.0);
+  config.rig.operator_buttons.enable_at_s = kEnableAt_s;
+  config.rig.operator_buttons.reset_at_s.clear();
+  if (dice.chance(0.3)) {
+    config.rig.operator_buttons.reset_at_s = {dice.between(kFirstFault_s, kTrialDuration_s)};
+  }
+  config.tick.reference.blend_s = dice.between(0.5, 1.5);
+  config.tick.reference.motion[0] = randomMotion(-1.15, dice);
+  config.tick.reference.motion[1] = randomMotion(-0.8, dice);
+  const int faults = dice.chance(0.5) ? 1 : 2;
+  for (int i = 0; i < faults; ++i) {
+    config.faults.push_back(randomFault(static_cast<FaultKind>(dice.below(sim::kFaultKindCount)), dice));
+  }
+  config.rig.faults = config.faults;
+  return config;
+}
+
+}  // namespace patella::bench
