@@ -118,6 +118,7 @@ TEST_CASE("a run in wall-clock time shows no heap operation and no page fault af
   config.bus.map.emg_timeout_s = 1.0;
   config.tick.monitors.emg.hum_time_s = 1.0;
   config.rig.drive.watchdog_s = 1.0;
+  config.tick.monitors.drive.follow_time_s = 1.0;
   config.loop.stall_tolerated_s = 1.0;
   config.watchdog.timeout_s = 0.5;
   config.loop.overruns_tolerated = 100;

@@ -1,0 +1,38 @@
+// A configuration is read or refused; what is read makes a tick, or is refused with a reason.
+#include <exception>
+#include <stdexcept>
+
+#include "firmware_app/configuration/run_config.hpp"
+#include "tests/fuzz/fuzz_input.hpp"
+#include "tests/support/paths.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace patella;
+  // Paths in the file are those of the shipped configurations.
+  static const std::filesystem::path folder = [] {
+    const auto made = std::filesystem::temp_directory_path() / ("patella-fuzz-" + std::to_string(getpid()));
+    std::filesystem::create_directories(made);
+    const std::filesystem::path config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+    for (const char* name : {"models", "can"}) {
+      std::filesystem::create_directory_symlink(config / name, made / name);
+    }
+    return made;
+  }();
+  const std::filesystem::path path = folder / "fuzz.toml";
+  if (std::FILE* file = std::fopen(path.c_str(), "wb"); file != nullptr) {
+    std::fwrite(data, 1, size, file);
+    std::fclose(file);
+  }
+  try {
+    app::CommandLine line;
+    line.config = path;
+    const app::RunConfig config = app::loadRunConfig(line);
+    app::makeTick(config);
+    app::makeDecoder(config);
+  } catch (const std::runtime_error&) {
+    // refused with file and line
+  } catch (const std::invalid_argument&) {
+    // refused by a constructor
+  }
+  return 0;
+}
