@@ -12,7 +12,7 @@
 namespace patella::app {
 
 ServiceNotifier::ServiceNotifier() {
-  const char* path = std::getenv("NOTIFY_SOCKET");
+  const char* path = std::getenv("NOTIFY_SOCKET");  // NOLINT(concurrency-mt-unsafe): set-up, once
   if (path != nullptr && (path[0] == '/' || path[0] == '@')) {
     path_ = path;
     socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -43,7 +43,7 @@ bool ServiceNotifier::notify(std::string_view state) const noexcept {
 
 std::optional<std::chrono::microseconds> ServiceNotifier::watchdogInterval() {
   const auto number = [](const char* name) -> std::optional<long long> {
-    const char* text = std::getenv(name);
+    const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): set-up, once
     if (text == nullptr) {
       return std::nullopt;
     }
