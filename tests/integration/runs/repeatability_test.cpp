@@ -1,5 +1,6 @@
 // The same run twice, and a run played back from its own log.
 #include <atomic>
+#include <filesystem>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -19,6 +20,17 @@ nlohmann::json summaryOf(const std::filesystem::path& folder) {
   return nlohmann::json::parse(app::readFile(folder / "summary.json"));
 }
 
+// Without the page faults of the loop's thread: a sanitizer has memory of its own, which faults now and then.
+std::string comparable(const std::filesystem::path& file) {
+  std::string text = app::readFile(file);
+  if (file.filename() == "summary.json") {
+    auto summary = nlohmann::json::parse(text);
+    summary["loop_thread"].erase("minor_page_faults");
+    text = summary.dump();
+  }
+  return text;
+}
+
 }  // namespace
 
 TEST_CASE("two equal runs in virtual time leave equal files") {
@@ -29,9 +41,9 @@ TEST_CASE("two equal runs in virtual time leave equal files") {
   }
   for (const char* file : {"frames.log", "ticks.csv", "events.log", "summary.json"}) {
     CAPTURE(file);
-    const std::string first = app::readFile(folder.path() / "a" / file);
+    const std::string first = comparable(folder.path() / "a" / file);
     CHECK_FALSE(first.empty());
-    CHECK(first == app::readFile(folder.path() / "b" / file));
+    CHECK(first == comparable(folder.path() / "b" / file));
   }
 }
 
