@@ -12,18 +12,19 @@ fail() { echo "train.sh: $*" >&2; exit 1; }
 for seed in 1 2 3; do
   "$patella" run --config "$config" --clock virtual --duration 6 --seed $seed --out "$folder/run$seed" >/dev/null
 done
+# In the shell's own place, so that who kills it kills the training.
 fit() {
-  "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/$1.safetensors" \
+  exec "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/$1.safetensors" \
     --split chronological --test-share 0.3 --validation-share 0.2 --rate-Hz 50 \
     --hidden 8 --channels 8 --heads 2 --window 8 --batch 2 --sequence-steps 48 --burn-in 8 --epochs 25 --patience 25
 }
 
-fit whole >/dev/null
+(fit whole) >/dev/null
 fit killed >/dev/null 2>&1 & pid=$!
 while [ ! -e "$folder/killed.safetensors.checkpoint" ] && kill -0 $pid 2>/dev/null; do sleep 0.02; done
 kill -9 $pid 2>/dev/null || true
 wait $pid 2>/dev/null || true
-fit killed >"$folder/resumed.txt" 2>&1
+(fit killed) >"$folder/resumed.txt" 2>&1
 cmp "$folder/whole.safetensors" "$folder/killed.safetensors" || fail "resumed after kill -9, the weights differ"
 [ ! -e "$folder/killed.safetensors.checkpoint" ] || fail "the checkpoint is left behind"
 [ -s "$folder/whole.png" ] || fail "no picture of the learning curves"
