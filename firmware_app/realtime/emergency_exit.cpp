@@ -3,10 +3,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <stdexcept>
 #include <system_error>
 
 #include <poll.h>
+
+#include "core/safety/state_machine.hpp"
 
 namespace patella::app {
 namespace {
@@ -39,7 +42,7 @@ EmergencyExit::EmergencyExit(gpio::Pins& pins, can::Bus& bus, can::CommandEncode
   begun_.store(false, std::memory_order_relaxed);
   g_means = {&pins, &bus, &encoder, &clock, {}};
   g_means.stop.torque_Nm = JointVector::Zero(joints);
-  g_means.stop.state = 4;  // fault
+  g_means.stop.state = static_cast<std::uint8_t>(safety::State::kFault);
   stack_t stack{};
   stack.ss_sp = g_stack.data();
   stack.ss_size = g_stack.size();
