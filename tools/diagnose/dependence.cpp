@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -104,6 +105,46 @@ double hat(const std::vector<double>& knots, std::size_t k, double x) {
   return 1.0;
 }
 
+/// Of a stiffness that comes and goes, in Hz: slower than a patient moves, or motion and stiffness could not
+/// be told apart. Many more than this many frequencies would cost more than they find.
+constexpr double kFastestChange_Hz = 0.6;
+constexpr int kMostFrequencies = 120;
+
+// A joint's position times sine and cosine of a slow frequency, on that joint.
+void addChangingStiffness(const Dataset& data, Atoms& atoms, std::vector<Eigen::VectorXd>& columns) {
+  const double duration_s = data.time_s().maxCoeff() - data.time_s().minCoeff();
+  if (data.isStatic() || duration_s * kFastestChange_Hz < 3.0) {
+    return;
+  }
+  const double slowest_Hz = 1.5 / duration_s;
+  const double step_Hz = std::max(0.6 / duration_s, (kFastestChange_Hz - slowest_Hz) / kMostFrequencies);
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    std::vector<double> positions;
+    for (const Series& series : data.series()) {
+      for (const auto& state : series.states) {
+        positions.push_back(state.q[joint]);
+      }
+    }
+    const double middle = offline::quantile(positions, 0.5);
+    for (double frequency_Hz = slowest_Hz; frequency_Hz < kFastestChange_Hz; frequency_Hz += step_Hz) {
+      atoms.items.push_back({.recipe = nullptr,
+                             .nu = {},
+                             .label = fmt::format("q{}*time", joint + 1),
+                             .joint = joint,
+                             .first = static_cast<Eigen::Index>(columns.size()),
+                             .count = 2});
+      for (const double quarter : {0.0, 0.25}) {
+        Eigen::VectorXd column = Eigen::VectorXd::Zero(data.rows() * data.joints());
+        column.segment(joint * data.rows(), data.rows()) = data.variable([&](const Series& s, std::size_t i) {
+          const double turns = frequency_Hz * s.states[i].time_s + quarter;
+          return (s.states[i].q[joint] - middle) * std::sin(2.0 * std::numbers::pi * turns);
+        });
+        columns.push_back(std::move(column));
+      }
+    }
+  }
+}
+
 Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
   Atoms atoms;
   std::vector<Eigen::VectorXd> columns;
@@ -132,6 +173,7 @@ Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
       }
     }
   }
+  addChangingStiffness(data, atoms, columns);
   atoms.columns.resize(data.rows() * data.joints(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
     atoms.columns.col(static_cast<Eigen::Index>(k)) = columns[k];
