@@ -283,7 +283,7 @@ void ModelFitter::linearise(ModelFit& fit) {
     for (std::size_t k = 0; k < term.nu.size(); ++k) {
       const NonlinearParameter& range = term.recipe->nonlinear[k];
       std::vector<double> moved = term.nu;
-      const double step = 1e-3 * (range.upper - range.lower);
+      const double step = range.step > 0.0 ? range.step : 1e-3 * (range.upper - range.lower);
       moved[k] += moved[k] + step > range.upper ? -step : step;
       fit.tangent.col(fit.offset[t] + coefficients + static_cast<Eigen::Index>(k)) =
           (weighted(basis(*term.recipe, moved), term.c) - value) / (moved[k] - term.nu[k]);
@@ -396,8 +396,9 @@ void ModelFitter::findEdges(ModelFit& fit) {
       fit.at_edge.push_back({recipe.label(), "range: " + beyond});
     }
     for (std::size_t k = 0; k < term.nu.size() && !term.declared; ++k) {
-      const double width = recipe.nonlinear[k].upper - recipe.nonlinear[k].lower;
-      if (term.nu[k] > recipe.nonlinear[k].upper - kNearBound * width) {
+      const NonlinearParameter& range = recipe.nonlinear[k];
+      const double near = kNearBound * (range.upper - range.lower);
+      if (term.nu[k] > range.upper - near || (range.closed_below && term.nu[k] < range.lower + 0.1 * near)) {
         fit.at_edge.push_back({recipe.label(), "range: " + shapeName(recipe, term.c, term.nu, k)});
       }
     }

@@ -22,7 +22,11 @@ struct BasisTerm {
 struct NonlinearParameter {
   double lower = 0.0;
   double upper = 0.0;
-  double spread = 0.0;  ///< standard deviation about zero that is known beforehand; 0: nothing is
+  /// Over which derivatives are taken. 0: a thousandth of the range. Above: the objective is rugged, and
+  /// steps of this size without derivatives come first.
+  double step = 0.0;
+  bool closed_below = false;  ///< an effect at the lower bound is another than its name says
+  double spread = 0.0;        ///< standard deviation about zero that is known beforehand; 0: nothing is
 };
 
 /// torque(c, ν) = Σ c_i basis_i(ν); an effect without coefficients has one basis that counts once.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "tools/diagnose/recipe_parts.hpp"
 
@@ -60,40 +61,56 @@ Recipe encoderOffset(const Motion& motion) {
   return recipe;
 }
 
-// ν = (resonance of the drive against its spring, inertia of the drive): from within the band to where the
-// spring could as well be rigid.
+// ν = (resonance of the drive against its spring in rad/s, logarithms of the drive's inertia and of the
+// damping ratio over what is common): from within the band to where the spring could as well be rigid.
 Recipe transmissionElasticity(const Motion& motion) {
   constexpr double kDampingRatio = 0.1;
+  const double spread = std::log(3.0);
   Recipe recipe = start("transmission_elasticity", motion, {});
   recipe.contains = {"rotor_inertia"};
   const double inertia = std::max(0.001, motion.inertia);
-  recipe.nonlinear = {{.lower = 4.0, .upper = 200.0}, {.lower = 0.002 * inertia, .upper = 2.0 * inertia}};
-  recipe.grid =
-      product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0}, {0.05 * inertia, 0.2 * inertia, 0.7 * inertia}});
+  recipe.nonlinear = {{.lower = 4.0, .upper = 200.0, .step = 0.5},
+                      {.lower = std::log(0.002 * inertia), .upper = std::log(2.0 * inertia), .step = 0.05},
+                      {.lower = -2.0 * spread, .upper = 2.0 * spread, .step = 0.1, .spread = spread}};
+  recipe.grid = product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0},
+                         {std::log(0.1 * inertia), std::log(0.5 * inertia)},
+                         {0.0, 1.0}});
   recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    const double rotor = std::exp(nu[1]);
     return Parameters("transmission_elasticity")
-        .set("stiffness_Nm_rad", nu[0] * nu[0] * nu[1])
-        .set("rotor_inertia_kg_m2", nu[1])
-        .set("damping_Nms_rad", 2.0 * kDampingRatio * nu[0] * nu[1]);
+        .set("stiffness_Nm_rad", nu[0] * nu[0] * rotor)
+        .set("rotor_inertia_kg_m2", rotor)
+        .set("damping_Nms_rad", 2.0 * kDampingRatio * std::exp(nu[2]) * nu[0] * rotor);
   };
   return recipe;
 }
 
 // The contact is as stiff as it takes for the motor to ring in it at about 100 Hz, far above the band.
+// ν = logarithms of (gap times inertia of the drive, that inertia). A torque τ carries the motor across the
+// gap in sqrt(2 gap·inertia/τ) and loses no momentum on the way, so that the first alone says how late torque
+// arrives; the second adds a rotor.
 Recipe backlash(const Motion& motion) {
   constexpr double kContact_rad_s = 600.0;
   constexpr double kDampingRatio = 0.3;
+  constexpr double kFinest = 2e-5, kCoarsest = 1.5e-2, kRatio = 1.6;  // of gap times share of inertia, rad
+  /// Impacts leave bumps this wide.
+  constexpr double kStep = 0.05;
   Recipe recipe = start("backlash", motion, {});
   recipe.contains = {"rotor_inertia"};
-  recipe.nonlinear = {{.lower = 0.0005, .upper = 0.2}, {.lower = 0.0005, .upper = 5.0}};
   const double inertia = std::max(0.001, motion.inertia);
-  recipe.grid = product({{0.004, 0.012, 0.04}, {0.01 * inertia, 0.05 * inertia, 0.2 * inertia}});
+  recipe.nonlinear = {{.lower = std::log(0.5 * kFinest * inertia),
+                       .upper = std::log(2.0 * kCoarsest * inertia),
+                       .step = kStep},
+                      {.lower = std::log(0.002 * inertia), .upper = std::log(2.0 * inertia), .step = kStep}};
+  recipe.grid = product({range(std::log(kFinest * inertia), std::log(kCoarsest * inertia), std::log(kRatio)),
+                         {std::log(0.05 * inertia), std::log(0.15 * inertia)}});
   recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    const double rotor = std::exp(nu[1]);
     return Parameters("backlash")
-        .set("gap_rad", nu[0])
-        .set("rotor_inertia_kg_m2", nu[1])
-        .set("stiffness_Nm_rad", nu[1] * kContact_rad_s * kContact_rad_s)
-        .set("damping_Nms_rad", 2.0 * kDampingRatio * nu[1] * kContact_rad_s);
+        .set("gap_rad", std::exp(nu[0]) / rotor)
+        .set("rotor_inertia_kg_m2", rotor)
+        .set("stiffness_Nm_rad", rotor * kContact_rad_s * kContact_rad_s)
+        .set("damping_Nms_rad", 2.0 * kDampingRatio * rotor * kContact_rad_s);
   };
   return recipe;
 }
@@ -132,7 +149,7 @@ void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>
   } else if (kind == "torque_gain") {
     all.push_back(single("torque_gain", motion, "gain_error", false));
     // Anything large that goes with the torque would pass for a gain of almost −1.
-    all.back().largest = 0.3;
+    all.back().largest = 0.5;
   } else if (kind == "torque_bias") {
     all.push_back(single("torque_bias", motion, "bias_Nm", false));
   } else if (kind == "actuator_lag") {

@@ -94,6 +94,10 @@ Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int coun
   return draws;
 }
 
+/// Steps of a climb are so many times those of the recipe at first, and halve.
+constexpr double kFirstClimb = 4.0;
+constexpr int kMostTries = 80;
+
 }  // namespace
 
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes) {
@@ -262,6 +266,49 @@ Eigen::MatrixXd parameterCovariance(const Dataset& data, const ModelFit& fit, in
   const double left = (draws - tangent * solutions).topRows(slope.rows()).squaredNorm() /
                       draws.topRows(slope.rows()).squaredNorm();
   return solutions * solutions.transpose() / (static_cast<double>(replicates) * std::max(0.1, left));
+}
+
+std::vector<double> climbed(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
+                            std::vector<double> nu) {
+  const bool rugged = std::any_of(recipe.nonlinear.begin(), recipe.nonlinear.end(),
+                                  [](const NonlinearParameter& range) { return range.step > 0.0; });
+  if (!rugged || recipe.coefficients() > 0) {
+    return nu;
+  }
+  const Eigen::MatrixXd explained = orthonormal(fit, fit.prior_weight);
+  const auto left = [&](const std::vector<double>& at) {
+    const Eigen::VectorXd white = fit.weighting->apply(fit.residual - fitter.basis(recipe, at));
+    Eigen::VectorXd rest(explained.rows());
+    rest << white, fit.prior_residual;
+    return rest.squaredNorm() - (explained.transpose() * rest).squaredNorm();
+  };
+  double least = left(nu);
+  for (const std::vector<double>& point : recipe.grid) {
+    if (const double value = left(point); value < least) {
+      least = value;
+      nu = point;
+    }
+  }
+  int tries = 0;
+  for (double steps = kFirstClimb; steps >= 1.0; steps /= 2.0) {
+    for (bool better = true; better && tries < kMostTries;) {
+      better = false;
+      for (std::size_t k = 0; k < nu.size(); ++k) {
+        for (const double side : {-1.0, 1.0}) {
+          const NonlinearParameter& range = recipe.nonlinear[k];
+          std::vector<double> moved = nu;
+          moved[k] = std::clamp(nu[k] + side * steps * range.step, range.lower, range.upper);
+          ++tries;
+          if (const double value = left(moved); value < least) {
+            least = value;
+            nu = moved;
+            better = true;
+          }
+        }
+      }
+    }
+  }
+  return nu;
 }
 
 double exceedance(std::span<const double> values, double observed) {

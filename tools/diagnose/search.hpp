@@ -94,6 +94,12 @@ struct Atoms {
 };
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes);
 
+/// A point from which a fit of an effect without coefficients may start, where its objective is rugged: the
+/// best that steps along each ν find, from the best of `nu` and the recipe's grid on, while all else takes up
+/// what it can. `nu` itself where the recipe is smooth.
+std::vector<double> climbed(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
+                            std::vector<double> nu);
+
 /// Share of `values` that reach `observed`, counting the observation itself: never 0.
 double exceedance(std::span<const double> values, double observed);
 
