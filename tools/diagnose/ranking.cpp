@@ -10,6 +10,9 @@
 namespace patella::diagnose {
 namespace {
 
+/// Of the residual: a coefficient whose torque is less is zero.
+constexpr double kNextToNothing = 1e-3;
+
 // The coefficient that the screening, which knows no signs, would make most of where physics does not allow
 // its sign; empty where there is none.
 std::string wrongSign(ModelFitter& fitter, const Candidate& candidate) {
@@ -48,6 +51,19 @@ double parameters(const ModelFit& fit) {
         const double told = fit.weighting->apply(fit.tangent.col(index)).squaredNorm();
         count -= 1.0 - std::min(1.0, std::log1p(told / known) / parameterCost(fit));
       }
+    }
+  }
+  return count;
+}
+
+double parametersInUse(const ModelFit& fit) {
+  double count = parameters(fit);
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
+    for (std::size_t i = 0; i < term.c.size(); ++i) {
+      const Eigen::Index index = fit.offset[t] + static_cast<Eigen::Index>(i);
+      const double size = std::abs(term.c[i]) * fit.tangent.col(index).norm();
+      count -= term.recipe->nonnegative[i] && size < kNextToNothing * fit.residual.norm() ? 1.0 : 0.0;
     }
   }
   return count;
@@ -92,6 +108,8 @@ void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Can
     candidate.refused_because = "given by others";
     return;
   }
+  Term& term = start->terms.back();
+  term.nu = climbed(fitter, current, *term.recipe, term.nu);
   candidate.fit = fitter.fit(std::move(*start), *current.weighting);
   const auto added =
       static_cast<Eigen::Index>(candidate.fit->terms.back().c.size() + candidate.fit->terms.back().nu.size());

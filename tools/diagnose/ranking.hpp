@@ -18,6 +18,10 @@ namespace patella::diagnose {
 /// (MacKay, Information Theory, Inference, and Learning Algorithms, 28.1), at twice the scale.
 double parameters(const ModelFit& fit);
 
+/// The same without coefficients that rest at zero, where physics allows no less: of two fits that both stand
+/// up, the one that says less is the simpler.
+double parametersInUse(const ModelFit& fit);
+
 /// What a parameter costs in −2 log-likelihood (Bayesian information criterion).
 double parameterCost(const ModelFit& fit);
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "tools/diagnose/candidate.hpp"
@@ -25,6 +26,9 @@ constexpr double kNearBest = 0.3;
 constexpr double kNearRival = 0.35;
 /// Effects within this much of −2 log posterior of each other explain the data equally well.
 constexpr double kRivalMargin = 6.0;
+/// The same without regard to the number of parameters: what explains no less is no worse an answer for
+/// having more of them, which its physics may have fixed.
+constexpr double kAsWell = 2.7;
 /// An effect that contains another always explains as much. It is a rival only where each parameter that it
 /// has beyond the other explains more than one in twenty would by chance.
 constexpr double kNestedEvidence = 3.84;
@@ -37,6 +41,10 @@ constexpr double kMaterialRelief = 4.0;
 constexpr double kLeastStability = 0.8;
 constexpr double kCrossValidationErrors = 1.5;
 constexpr int kRivalReplicates = 99;
+/// Of a found torque's size, by how much one that contains it may differ within its 95 % interval, and the
+/// found one still be the only answer.
+constexpr double kMaterialDoubt = 0.25;
+constexpr double kWithin95 = 2.0;
 
 class Selector {
  public:
@@ -131,8 +139,8 @@ class Selector {
   // Two candidates for the same data are compared under the noise of the one that leaves less.
   bool better(const Candidate& a, const Candidate& b) const {
     const double unit = a.fit->objective < b.fit->objective ? a.unit : b.unit;
-    return a.fit->objective + unit * cost_ * parameters(*a.fit) <
-           b.fit->objective + unit * cost_ * parameters(*b.fit);
+    return a.fit->objective + unit * cost_ * parametersInUse(*a.fit) <
+           b.fit->objective + unit * cost_ * parametersInUse(*b.fit);
   }
 
   // Of the mean square that is left of a joint's torque, the largest share that goes.
@@ -312,7 +320,7 @@ class Selector {
         continue;
       }
       const ModelFit smaller = without(t);
-      const double size = parameters(result_.fit) - parameters(smaller);
+      const double size = parametersInUse(result_.fit) - parametersInUse(smaller);
       result_.evidence[t].gain = (smaller.objective - result_.fit.objective) / unit_;
       const double full_margin = result_.evidence[t].gain - cost_ * size;
       const std::string own = result_.fit.terms[t].recipe->label();
@@ -327,14 +335,22 @@ class Selector {
       });
       std::vector<std::string> rivals;
       fitBest(smaller, candidates);
+      const Candidate* wider = nullptr;
       for (std::size_t i = 0; i < candidates.size(); ++i) {
         const std::string& label = candidates[i].atom->label;
         if (candidates[i].fit && !unphysical(candidates[i].refused_because) &&
-            rivalMargin(candidates[i], smaller) > full_margin - kRivalMargin &&
+            (rivalMargin(candidates[i], smaller) > full_margin - kRivalMargin ||
+             candidates[i].fit->objective < result_.fit.objective + kAsWell * unit_) &&
             !decidedByNesting(candidates[i], smaller, t) &&
             std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
           rivals.push_back(label);
+        } else if (candidates[i].fit && rivals.empty() && notExcluded(candidates[i], t) &&
+                   (wider == nullptr || predicts(candidates[i]) > predicts(*wider))) {
+          wider = &candidates[i];
         }
+      }
+      if (rivals.empty() && wider != nullptr) {
+        rivals.push_back(wider->atom->label);
       }
       result_.evidence[t].rivals = std::move(rivals);
     }
@@ -354,7 +370,35 @@ class Selector {
   // In the unit of what was found, as rivals explain the same part of the data.
   double rivalMargin(const Candidate& rival, const ModelFit& smaller) const {
     return (smaller.objective - rival.fit->objective) / unit_ -
-           cost_ * (parameters(*rival.fit) - parameters(smaller));
+           cost_ * (parametersInUse(*rival.fit) - parametersInUse(smaller));
+  }
+
+  // Akaike's criterion: how well a rival would predict, as nobody claims that the data prove it.
+  double predicts(const Candidate& rival) const {
+    return -rival.fit->objective - 2.0 * unit_ * parametersInUse(*rival.fit);
+  }
+
+  // Whether the torque of an effect that contains the found one may well be another: too little is said of
+  // what it has beyond.
+  bool notExcluded(const Candidate& rival, std::size_t term) {
+    const ModelFit& fit = *rival.fit;
+    const Recipe& own = *result_.fit.terms[term].recipe;
+    if (!contains(*rival.atom->recipe, own) || unphysical(rival.refused_because)) {
+      return false;
+    }
+    const Eigen::MatrixXd covariance =
+        parameterCovariance(fitter_.data(), fit, kRivalReplicates, options_.seed);
+    const Eigen::Index first = fit.offset.back();
+    const Eigen::Index count = fit.tangent.cols() - first;
+    const Eigen::MatrixXd slope = fit.tangent.rightCols(count);
+    const Eigen::LDLT<Eigen::MatrixXd> root(covariance.bottomRightCorner(count, count));
+    const Eigen::MatrixXd spread = slope *
+                                   (root.transpositionsP().transpose() * Eigen::MatrixXd(root.matrixL())) *
+                                   root.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    const double largest =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(spread.transpose() * spread).eigenvalues().maxCoeff();
+    const double found = fitter_.torque(result_.fit.terms[term]).squaredNorm();
+    return kWithin95 * std::sqrt(largest) > kMaterialDoubt * std::sqrt(found);
   }
 
   ModelFitter& fitter_;
