@@ -45,6 +45,8 @@ constexpr int kRivalReplicates = 99;
 /// found one still be the only answer.
 constexpr double kMaterialDoubt = 0.25;
 constexpr double kWithin95 = 2.0;
+/// Of what Stribeck's friction explains, the share from which on dry friction may be all there is.
+constexpr double kNearlyAll = 0.85;
 
 class Selector {
  public:
@@ -344,6 +346,9 @@ class Selector {
             !decidedByNesting(candidates[i], smaller, t) &&
             std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
           rivals.push_back(label);
+        } else if (candidates[i].fit && isNearlyAll(candidates[i], smaller, t) &&
+                   std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
+          rivals.push_back(label);
         } else if (candidates[i].fit && rivals.empty() && notExcluded(candidates[i], t) &&
                    (wider == nullptr || predicts(candidates[i]) > predicts(*wider))) {
           wider = &candidates[i];
@@ -365,6 +370,16 @@ class Selector {
     const double more = parameters(*rival.fit) - parameters(result_.fit);
     const double gain = (smaller.objective - rival.fit->objective) / unit_ - result_.evidence[term].gain;
     return contains(*rival.atom->recipe, own) && gain < kNestedEvidence * more;
+  }
+
+  // Whether dry friction alone explains almost what Stribeck's does. Near rest a measured velocity turns
+  // round in its own way, and the larger the friction, the more that looks like a peak.
+  bool isNearlyAll(const Candidate& rival, const ModelFit& smaller, std::size_t term) const {
+    const Recipe& own = *result_.fit.terms[term].recipe;
+    return own.kind == "stribeck_friction" && rival.atom->recipe->kind == "coulomb_friction" &&
+           rival.atom->recipe->joint == own.joint && !unphysical(rival.refused_because) &&
+           smaller.objective - rival.fit->objective >
+               kNearlyAll * (smaller.objective - result_.fit.objective);
   }
 
   // In the unit of what was found, as rivals explain the same part of the data.

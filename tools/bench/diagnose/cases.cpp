@@ -105,12 +105,21 @@ void agreeOnDamping(Random& random, const TrueEffect& effect, Rig& rig) {
   }
 }
 
+/// Of the declared damping: two standard deviations of what a diagnosis takes it to be known to.
+constexpr double kDeclaredDoubt = 0.2;
+
+bool isWithinDeclaredDamping(const Rig& rig, const TrueEffect& effect) {
+  return effect.kind == Kind::kViscous &&
+         effect.p[0] < kDeclaredDoubt * rig.nominal.damping_Nms_rad[effect.joint];
+}
+
 CaseEffect measured(const Rig& rig, const TrueEffect& effect, const Run& run) {
   const Analysis analysis = analyse(rig, run);
-  return {.effect = effect,
-          .strength = analysis.strength,
-          .raw_strength = analysis.raw_strength,
-          .in_span = inSpan(effect.kind, effect.joint, rig.body.shape)};
+  return {
+      .effect = effect,
+      .strength = analysis.strength,
+      .raw_strength = analysis.raw_strength,
+      .in_span = inSpan(effect.kind, effect.joint, rig.body.shape) || isWithinDeclaredDamping(rig, effect)};
 }
 
 std::vector<TrueEffect> effectsOf(const Case& drawn) {

@@ -34,7 +34,8 @@ struct CaseEffect {
   /// In units of the noise below 10 Hz, when the effect is alone; see Analysis.
   double strength = 0.0;
   double raw_strength = 0.0;
-  /// No motion tells it from other nominal parameters: drawn in physical sizes, `strength` is about 0.
+  /// No motion tells it from other nominal parameters: drawn in physical sizes, `strength` is about 0. Or it
+  /// is within what the declared damping is uncertain by.
   bool in_span = false;
 };
 

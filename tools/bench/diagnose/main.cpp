@@ -51,7 +51,8 @@ constexpr const char* kRules = R"(Rules
   strength      rms of the effect's torque below 10 Hz that no nominal parameter explains, over the rms of the noise.
   held-out      error over the true noise in the same band, joints together.
   Payload, rotor inertia of a first or only joint and torque gain of a single joint are what other nominal
-  parameters would be: drawn in physical sizes and counted apart.
+  parameters would be: drawn in physical sizes and counted apart. So is viscous friction of less than a fifth of
+  the damping that the model declares, which is within two standard deviations of it.
 Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown.)";
 
 Suite suiteOf(const std::string& name, std::size_t index) {
