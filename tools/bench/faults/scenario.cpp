@@ -149,7 +149,7 @@ app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
   config.tick.reference.motion[1] = randomMotion(-0.8, dice);
   const int faults = dice.chance(0.5) ? 1 : 2;
   for (int i = 0; i < faults; ++i) {
-    config.faults.push_back(randomFault(static_cast<FaultKind>(dice.below(sim::kFaultKindCount)), dice));
+    config.faults.push_back(randomFault(static_cast<FaultKind>(dice.below(sim::kScriptedKindCount)), dice));
   }
   config.rig.faults = config.faults;
   return config;
