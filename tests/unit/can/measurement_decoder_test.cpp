@@ -171,6 +171,23 @@ TEST_CASE("a frame that is corrupt, repeated or out of range changes no input") 
   CHECK_FALSE(reading.faults.any());
 }
 
+TEST_CASE("a position out of range is refused from the first frame on, at either end") {
+  BusMap map = test::rigMap();
+  map.position_min_rad = -2.0;
+  map.position_max_rad = 1.0;
+  map.tolerated_bad_frames = 0;
+  for (const double beyond_rad : {-2.001, 1.001}) {
+    Fixture f(map);
+    f.others(0);
+    f.encoders(0, beyond_rad, 0.0);
+    const Reading refused = f.decoder.finish(0);
+    CHECK_FALSE(refused.complete);
+    CHECK(refused.faults == safety::FaultSet{Fault::kEncoderImplausible});
+    f.encoders(kMillisecond, beyond_rad > 0.0 ? 1.0 : -2.0, 0.0);
+    CHECK(f.decoder.finish(kMillisecond).complete);
+  }
+}
+
 TEST_CASE("positions that no leg can reach or jump to are refused, then reported") {
   BusMap map = test::rigMap();
   map.position_min_rad = -2.0;
