@@ -2,14 +2,15 @@
 # Builds the fuzz targets and runs each on the corpus in the tree and on the shipped files.
 #
 #   tests/fuzz/run.sh SECONDS [TARGET...]    looks for that long in each
+#   tests/fuzz/run.sh short [TARGET...]      the corpus in the tree, and some seconds of chance from a fixed seed
 #   tests/fuzz/run.sh merge [TARGET...]      puts into the tree the fewest inputs that cover what all of them do
 #
 # What is found stands in build/fuzz/findings; new inputs in build/fuzz/corpus. Exit status: 0 nothing found, or
 # skipped (said loudly) where clang or its fuzzer runtime is absent; 1 something found.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=${1:?usage: tests/fuzz/run.sh SECONDS|merge [TARGET...]}
-[[ $seconds =~ ^([0-9]+|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds or merge" >&2; exit 1; }
+seconds=${1:?usage: tests/fuzz/run.sh SECONDS|short|merge [TARGET...]}
+[[ $seconds =~ ^([0-9]+|short|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds, short or merge" >&2; exit 1; }
 shift
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(dbc candump safetensors configuration model tick)
@@ -35,6 +36,8 @@ seeds() {
 }
 # Longest input: a tick takes a tenth of a millisecond and a byte or twelve.
 longest() { [ "$1" = tick ] && echo 1024 || echo 16384; }
+# What takes two or three seconds.
+short_runs() { [ "$1" = tick ] && echo 200 || echo 10000; }
 # The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
 words() {
   # shellcheck disable=SC2046
@@ -57,6 +60,13 @@ for target in "${targets[@]}"; do
     echo "$target: $(find "$tree" -type f | wc -l) inputs, $(du -sb --apparent-size "$tree" | cut -f1) bytes"
     continue
   fi
+  if [ "$seconds" = short ]; then
+    new=$probe/$target
+    mkdir "$new"
+    limits=(-seed=1 -runs="$(short_runs "$target")")
+  else
+    limits=(-max_total_time="$seconds")
+  fi
   for seed in $(seeds "$target"); do cp "$seed" "$new/"; done
   dictionary=()
   if [ "$target" != tick ]; then
@@ -65,7 +75,7 @@ for target in "${targets[@]}"; do
   fi
   started=$(date +%s)
   TIMEFORMAT='%U %S'
-  if { time "$program" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2048 -max_len="$(longest "$target")" \
+  if { time "$program" "${limits[@]}" -timeout=60 -rss_limit_mb=2048 -max_len="$(longest "$target")" \
     "${dictionary[@]}" -artifact_prefix="$findings/" -print_final_stats=1 "$new" "$tree" >"$log" 2>&1; } 2>"$probe/time"; then
     executed=$(grep -aoE 'number_of_executed_units: *[0-9]+' "$log" | grep -oE '[0-9]+$')
     covered=$(grep -aoE 'cov: [0-9]+ ft: [0-9]+' "$log" | tail -1)
