@@ -3,7 +3,8 @@
 #
 #   tests/fuzz/run.sh SECONDS [TARGET...]    looks for that long in each
 #   tests/fuzz/run.sh short [TARGET...]      the corpus in the tree, and some seconds of chance from a fixed seed
-#   tests/fuzz/run.sh merge [TARGET...]      puts into the tree the fewest inputs that cover what all of them do
+#   tests/fuzz/run.sh merge [TARGET...]      puts into the tree what has a name of its own there, and the fewest inputs
+#                                            that pass every place in the code that all of them pass
 #
 # What is found stands in build/fuzz/findings; new inputs in build/fuzz/corpus. Exit status: 0 nothing found, or
 # skipped (said loudly) where clang or its fuzzer runtime is absent; 1 something found.
@@ -36,6 +37,8 @@ seeds() {
 }
 # Longest input: a tick takes a tenth of a millisecond and a byte or twelve.
 longest() { [ "$1" = tick ] && echo 1024 || echo 16384; }
+# Longest input that is kept in the tree.
+kept() { case $1 in tick) echo 512 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
 # What takes two or three seconds.
 short_runs() { [ "$1" = tick ] && echo 200 || echo 10000; }
 # The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
@@ -54,7 +57,9 @@ for target in "${targets[@]}"; do
   mkdir -p "$new" "$findings"
   if [ "$seconds" = merge ]; then
     mkdir "$probe/$target"
-    "$program" -merge=1 -max_len="$(longest "$target")" "$probe/$target" "$tree" "$new" >"$log" 2>&1 || { tail -40 "$log"; exit 1; }
+    find "$tree" -type f -regextype egrep -not -regex '.*/[0-9a-f]{40}' -exec cp {} "$probe/$target" \;
+    "$program" -set_cover_merge=1 -use_counters=0 -max_len="$(kept "$target")" "$probe/$target" "$tree" "$new" >"$log" 2>&1 ||
+      { tail -40 "$log"; exit 1; }
     rm -rf "$tree"
     cp -r "$probe/$target" "$tree"
     echo "$target: $(find "$tree" -type f | wc -l) inputs, $(du -sb --apparent-size "$tree" | cut -f1) bytes"
