@@ -81,6 +81,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   action.sa_handler = requestStop;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // A file that may not grow is a failed recording, and no reason to let go of the leg.
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &action, nullptr);
 
   try {
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);

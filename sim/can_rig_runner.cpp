@@ -59,6 +59,9 @@ RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic
     ++poll;
     instant_ns = start_ns + poll * rig.sensorPeriod_ns() / options.polls_per_period;
   }
+  if (interface_down && options.set_interface_down) {
+    options.set_interface_down(false);  // a run that ends meanwhile leaves the host as it was
+  }
   statistics.rig = rig.statistics();
   return statistics;
 }

@@ -72,17 +72,21 @@ class FaultInjector {
   }
 
   /// Hands on to sink(frame, channel) what was held back until now, and the forged frames of this sample.
+  /// While the bus is silent both are lost.
   template <typename Sink>
   void release(Sink&& sink) noexcept {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < held_count_; ++i) {
-      if (held_[i].due_s <= time_s_) {
-        sink(held_[i].frame, held_[i].channel);
-      } else {
+      if (held_[i].due_s > time_s_) {
         held_[kept++] = held_[i];
+      } else if (!silent()) {
+        sink(held_[i].frame, held_[i].channel);
       }
     }
     held_count_ = kept;
+    if (silent()) {
+      return;
+    }
     for (int i = 0; i < kFrameChannelCount; ++i) {
       const FaultEvent* event = find(FaultKind::kForgedFrames, i);
       const auto channel = static_cast<FrameChannel>(i);

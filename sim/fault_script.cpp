@@ -10,7 +10,7 @@ std::string_view faultKindName(FaultKind kind) noexcept {
       "forged_frames",  "encoder_jump",      "encoder_freeze",    "encoder_drift",       "encoder_wrap",
       "emg_saturation", "emg_disconnection", "emg_hum",           "drive_not_following", "drive_over_torque",
       "bus_off",        "interface_down",    "rig_stall",         "peer_restart",        "loop_stall",
-      "clock_step",     "emergency_stop",    "gpio_bounce"};
+      "clock_step",     "emergency_stop",    "gpio_bounce",       "memory_pressure",     "disk_full"};
   const auto index = static_cast<std::size_t>(kind);
   return index < kNames.size() ? kNames[index] : "unknown";
 }
@@ -41,9 +41,13 @@ ChannelGroup channelGroup(FaultKind kind) noexcept {
   }
 }
 
+bool actsOnMachine(FaultKind kind) noexcept {
+  return kind == FaultKind::kMemoryPressure || kind == FaultKind::kDiskFull;
+}
+
 bool actsOnLoop(FaultKind kind) noexcept {
   return kind == FaultKind::kLoopStall || kind == FaultKind::kClockStep ||
-         kind == FaultKind::kEmergencyStop || kind == FaultKind::kGpioBounce;
+         kind == FaultKind::kEmergencyStop || kind == FaultKind::kGpioBounce || actsOnMachine(kind);
 }
 
 std::string_view frameChannelName(FrameChannel channel) noexcept {

@@ -36,10 +36,14 @@ enum class FaultKind : std::uint8_t {
   kClockStep,
   kEmergencyStop,
   kGpioBounce,
+  kMemoryPressure,
+  kDiskFull,
   kCount
 };
 
 inline constexpr int kFaultKindCount = static_cast<int>(FaultKind::kCount);
+/// The kinds before these two happen in the time of the script; these take the machine's own memory and disk.
+inline constexpr int kScriptedKindCount = static_cast<int>(FaultKind::kMemoryPressure);
 
 /// snake_case name, as scripts have it.
 std::string_view faultKindName(FaultKind kind) noexcept;
@@ -56,6 +60,9 @@ ChannelGroup channelGroup(FaultKind kind) noexcept;
 
 /// True for what happens to the loop's host rather than in the rig.
 bool actsOnLoop(FaultKind kind) noexcept;
+
+/// Of those, what takes memory and disk of the machine itself.
+bool actsOnMachine(FaultKind kind) noexcept;
 
 /// Messages of the rig's bus.
 enum class FrameChannel : std::uint8_t {
@@ -84,7 +91,7 @@ struct FaultEvent {
   double delay_s = 0.01;     ///< delayed_frames
   int bits = 1;              ///< flipped_bits: how many of a frame
   /// In the unit of the kind: offset rad, rate rad/s, turn rad, level, noise or amplitude mV, gain, extra
-  /// N·m, step s, bounce period s, or the forged frame's first signal.
+  /// N·m, step s, bounce period s, memory MB, or the forged frame's first signal.
   double value = 0.0;
   double frequency_Hz = 50.0;   ///< emg_hum
   bool with_velocity = true;    ///< encoder_freeze: the rate stands still too

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -13,7 +14,7 @@
 namespace patella::sim {
 
 /// A clock whose sleeper is kept from running while a loop_stall lasts, and whose wall time is set forth and
-/// back by clock_step. The script counts from the first sleep. For one thread.
+/// back by clock_step. The script counts from the first sleep. For one thread, but for wokeAt_s().
 class DisturbedClock final : public Clock {
  public:
   /// `clock` must outlive this.
@@ -41,7 +42,10 @@ class DisturbedClock final : public Clock {
       }
     }
     clock_.sleepUntil(wake_ns);
+    woke_s_.store(elapsed_s(), std::memory_order_relaxed);
   }
+  /// Time of the script when the sleeper last woke; for any thread.
+  double wokeAt_s() const noexcept { return woke_s_.load(std::memory_order_relaxed); }
   /// Time of the script, s; 0 before the first sleep.
   double elapsed_s() const noexcept {
     return started_ ? static_cast<double>(clock_.now() - epoch_ns_) * 1e-9 : 0.0;
@@ -53,6 +57,7 @@ class DisturbedClock final : public Clock {
   std::vector<FaultEvent> events_;
   bool started_ = false;
   std::int64_t epoch_ns_ = 0;
+  std::atomic<double> woke_s_{0.0};
 };
 
 /// Lines of which the emergency stop is pressed, or bounces, by script. For one thread.

@@ -42,6 +42,7 @@ void RigThread::stop() noexcept {
 
 std::size_t RigThread::receive(std::span<can::Frame> frames,
                                std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  errors_.beginReceive();
   std::size_t count = 0;
   while (count < frames.size() && to_loop_.pop(frames[count])) {
     can::Frame& frame = frames[count++];

@@ -38,7 +38,7 @@ class RigThread final : public can::Bus {
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   /// True while the thread does not run, or the rig's script says so.
   bool down() const noexcept override {
-    return !running_.load(std::memory_order_relaxed) || errors_.busOff() || rig_.interfaceDown();
+    return !running_.load(std::memory_order_relaxed) || errors_.wasOff() || rig_.interfaceDown();
   }
   can::BusStatistics statistics() const noexcept override;
 

@@ -5,6 +5,7 @@ namespace patella::sim {
 std::size_t SimulatedBus::receive(std::span<can::Frame> frames,
                                   std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
   rig_.advance(now_ns);
+  errors_.beginReceive();
   std::size_t count = 0;
   while (count < frames.size() && rig_.pop(frames[count])) {
     can::Frame& frame = frames[count++];

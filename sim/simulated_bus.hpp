@@ -21,7 +21,7 @@ class SimulatedBus final : public can::Bus {
   std::size_t receive(std::span<can::Frame> frames,
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
-  bool down() const noexcept override { return errors_.busOff() || rig_.interfaceDown(); }
+  bool down() const noexcept override { return errors_.wasOff() || rig_.interfaceDown(); }
   can::BusStatistics statistics() const noexcept override;
 
  private:

@@ -73,5 +73,8 @@ for preset in asan tsan rtsan; do
   ctest --preset "$preset" -j "$(nproc)"
 done
 
+headline "fuzz: what is in the tree, and some seconds of chance"
+tests/fuzz/run.sh short
+
 headline "lint"
 tools/checks/tidy.sh build/release

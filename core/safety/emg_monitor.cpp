@@ -25,7 +25,11 @@ FaultSet EmgMonitor::update(const EmgArray& sample_mV, int steps) noexcept PATEL
   phase_rad_ = std::fmod(phase_rad_ + mains_rad_s_ * dt_s, 2.0 * std::numbers::pi);
   faults_ = {};
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (!used_[i] || !std::isfinite(sample_mV[i])) {
+    if (!used_[i]) {
+      continue;
+    }
+    if (!std::isfinite(sample_mV[i])) {
+      faults_.add(Fault::kNotFinite);
       continue;
     }
     Channel& channel = channels_[i];
@@ -41,10 +45,12 @@ FaultSet EmgMonitor::update(const EmgArray& sample_mV, int steps) noexcept PATEL
 FaultSet EmgMonitor::judge(Channel& channel, double sample_mV, double dt_s) const noexcept {
   FaultSet faults;
   const bool saturated = std::abs(sample_mV) >= settings_.saturation_mV;
+  // One sample tells little of a long gap before it.
+  const double known_s = std::min(dt_s, kBridged_s);
 
   channel.lowest_mV = std::min(channel.lowest_mV, sample_mV);
   channel.highest_mV = std::max(channel.highest_mV, sample_mV);
-  channel.still_s += dt_s;
+  channel.still_s += known_s;
   if (channel.highest_mV - channel.lowest_mV > settings_.flat_mV) {
     channel.lowest_mV = channel.highest_mV = sample_mV;
     channel.still_s = 0.0;
@@ -53,17 +59,18 @@ FaultSet EmgMonitor::judge(Channel& channel, double sample_mV, double dt_s) cons
     faults.add(Fault::kEmgElectrodeOff);
   }
 
-  channel.saturated_s =
-      std::clamp(channel.saturated_s + (saturated ? dt_s : -dt_s), 0.0, 2.0 * settings_.saturation_time_s);
+  channel.saturated_s = std::clamp(channel.saturated_s + (saturated ? known_s : -known_s), 0.0,
+                                   2.0 * settings_.saturation_time_s);
   if (channel.saturated_s > settings_.saturation_time_s + kTimeSlack_s) {
     faults.add(Fault::kEmgSaturated);
   }
 
-  const double share = std::min(dt_s / kHumFilter_s, 1.0);
-  channel.real_mV += share * (sample_mV * std::cos(phase_rad_) - channel.real_mV);
-  channel.imaginary_mV += share * (sample_mV * std::sin(phase_rad_) - channel.imaginary_mV);
+  const double kept = std::max(1.0 - dt_s / kHumFilter_s, 0.0);
+  const double share = known_s / kHumFilter_s;
+  channel.real_mV = kept * channel.real_mV + share * sample_mV * std::cos(phase_rad_);
+  channel.imaginary_mV = kept * channel.imaginary_mV + share * sample_mV * std::sin(phase_rad_);
   const double amplitude_mV = 2.0 * std::hypot(channel.real_mV, channel.imaginary_mV);
-  if (channel.hum.update(amplitude_mV > settings_.hum_mV, dt_s)) {
+  if (channel.hum.update(amplitude_mV > settings_.hum_mV, known_s)) {
     faults.add(Fault::kEmgHum);
   }
   return faults;

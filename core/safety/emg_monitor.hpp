@@ -12,7 +12,9 @@ namespace patella::safety {
 
 /// Per electrode: a signal that stands still (off, or a dead amplifier), that sticks to the end of its range,
 /// or that is mains hum. The hum's amplitude is that of the signal mixed down by the mains' frequency, 2|z|
-/// with z ← z + (x e^{−iωt} − z)/τ, τ = 0.1 s: EMG of 0.25 mV rms leaves about 0.03 mV in that band.
+/// with z ← z + (x e^{−iωt} − z)/τ, τ = 0.1 s: EMG of 0.25 mV rms leaves about 0.03 mV in that band. A sample
+/// stands for the gap before it, but for no more than kBridged_s of it: in 2 x kBridged_s/τ the largest
+/// sample alone is no hum.
 class EmgMonitor {
  public:
   /// Only electrodes `used` are watched. `mains_Hz` 0 stands for 50.
@@ -24,6 +26,7 @@ class EmgMonitor {
 
  private:
   static constexpr double kHumFilter_s = 0.1;
+  static constexpr double kBridged_s = 0.01;
 
   struct Channel {
     double lowest_mV = 0.0, highest_mV = 0.0;

@@ -15,6 +15,7 @@ enum class Warning : std::uint8_t {
   kRecorderBehind,       ///< records were dropped, or the rings are nearly full
   kDiskLow,              ///< little room left where the recording goes
   kFileChanged,          ///< a file that the run was configured from is no longer as it was read
+  kRecordingFailed,      ///< nothing more is written: the disk is full, or broken
   kCount
 };
 
@@ -23,7 +24,7 @@ inline constexpr int kWarningCount = static_cast<int>(Warning::kCount);
 /// snake_case name for logs and summaries.
 constexpr std::string_view warningName(Warning warning) noexcept {
   constexpr std::array<std::string_view, kWarningCount> kNames = {
-      "network_fallback", "clock_stepped", "recorder_behind", "disk_low", "file_changed"};
+      "network_fallback", "clock_stepped", "recorder_behind", "disk_low", "file_changed", "recording_failed"};
   const auto index = static_cast<std::size_t>(warning);
   return index < kNames.size() ? kNames[index] : "unknown";
 }

@@ -42,7 +42,8 @@ void parseLogLine(std::string_view line, LogEntry& entry);
 std::size_t formatLogLine(std::span<char> out, const Frame& frame,
                           std::string_view interface) noexcept PATELLA_NONBLOCKING;
 
-/// The line that parseLogLine() made the entry of: with the direction and the flags that it had.
+/// The line that parseLogLine() made the entry of: with the direction and the flags that it had, and no more
+/// than microseconds of its stamp.
 std::size_t formatLogLine(std::span<char> out, const LogEntry& entry) noexcept PATELLA_NONBLOCKING;
 
 /// Reads a log line by line; holds one line at a time, however long the file.

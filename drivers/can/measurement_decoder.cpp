@@ -293,6 +293,7 @@ void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const 
     if (message.decoder.signal(input.slot).presence(frame) == Presence::kNotSelected)
       continue;
     seen_[static_cast<std::size_t>(input.input)][input.index] = true;
+    stored_ns_[static_cast<std::size_t>(input.input)][input.index] = frame.monotonic_ns;
     storeInput(message, input, values[i]);
     if (input.input == Input::kPosition) {
       measurement_.encoder_monotonic_ns = frame.monotonic_ns;
@@ -343,10 +344,17 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
   }
 }
 
+// Input by input: of a multiplexed message one part may be missing while the others come.
 bool MeasurementDecoder::stale(Group group, std::int64_t now_ns) const noexcept {
-  return std::any_of(messages_.begin(), messages_.end(), [&](const BoundMessage& message) {
-    return message.groups[group] && message.used && now_ns - message.used_monotonic_ns > timeouts_ns_[group];
-  });
+  for (std::size_t input = 0; input < kInputCount; ++input) {
+    if (kInputNames[input].group != group)
+      continue;
+    for (std::size_t i = 0; i < kMaxIndex; ++i) {
+      if (seen_[input][i] && now_ns - stored_ns_[input][i] > timeouts_ns_[group])
+        return true;
+    }
+  }
+  return false;
 }
 
 Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {

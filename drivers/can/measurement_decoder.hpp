@@ -138,6 +138,7 @@ class MeasurementDecoder {
   std::vector<BoundMessage> messages_;
   std::array<std::array<bool, kMaxIndex>, kInputCount> bound_{};
   std::array<std::array<bool, kMaxIndex>, kInputCount> seen_{};
+  std::array<std::array<std::int64_t, kMaxIndex>, kInputCount> stored_ns_{};
   std::array<std::int64_t, kMaxJoints> position_sample_{};
   SampleSet<kMaxJoints> encoder_samples_;
   SampleSet<kMaxEmgChannels> emg_samples_;

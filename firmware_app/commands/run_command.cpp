@@ -18,6 +18,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
+#include "firmware_app/realtime/host_stress.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
@@ -181,6 +182,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   }
   std::unique_ptr<RealtimeSetup> setup;
   try {
+    const HostStress stress(config.faults, [&loop_clock] { return loop_clock.wokeAt_s(); });
     setup = runOnThread(loop, config, recorder, stop);
   } catch (...) {
     recorder.discard();
@@ -203,12 +205,19 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
       summary["replay"]["cut_in_line"] = backend.replay->cutLine();
     }
   }
-  writeFile(folder / "summary.json", summary.dump(2) + "\n");
   fmt::print("{}", summaryText(summary));
   fmt::print("  files in {}\n", folder.string());
-
-  if (!recorder.error().empty()) {
+  const bool recorded = recorder.error().empty();
+  if (!recorded) {
     spdlog::error("recording failed: {}", recorder.error());
+  }
+  try {
+    writeFile(folder / "summary.json", summary.dump(2) + "\n");
+  } catch (const std::runtime_error& error) {
+    spdlog::error("recording failed: {}", error.what());
+    return RunStatus::kRecordingFailed;
+  }
+  if (!recorded) {
     return RunStatus::kRecordingFailed;
   }
   // A replay repeats what happened; that it happened is in the summary.

@@ -120,6 +120,9 @@ void readParameters(const TomlTable& table, FaultEvent& event) {
     case FaultKind::kGpioBounce:
       event.value = table.number("period_s", Range{.minimum = 0.0005, .maximum = 1.0}, 0.002);
       break;
+    case FaultKind::kMemoryPressure:
+      event.value = table.number("size_MB", Range{.minimum = 1.0, .maximum = 1e6});
+      break;
     default:
       break;
   }

@@ -190,6 +190,9 @@ safety::WarningSet Loop::hostWarnings() noexcept PATELLA_NONBLOCKING {
   if (recorder_ != nullptr && recorder_->diskLow()) {
     warnings.add(safety::Warning::kDiskLow);
   }
+  if (recorder_ != nullptr && recorder_->failed()) {
+    warnings.add(safety::Warning::kRecordingFailed);
+  }
   return warnings;
 }
 

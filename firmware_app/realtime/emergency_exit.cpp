@@ -14,8 +14,7 @@
 namespace patella::app {
 namespace {
 
-constexpr std::array kSignals = {SIGSEGV, SIGBUS,  SIGFPE, SIGILL,  SIGABRT,
-                                 SIGSYS,  SIGQUIT, SIGHUP, SIGXCPU, SIGXFSZ};
+constexpr std::array kSignals = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGQUIT, SIGHUP, SIGXCPU};
 constexpr int kRounds = 2;
 constexpr int kFramesPerRound = 3;
 constexpr int kBetweenRounds_ms = 3;  ///< a tick that was under way has ended

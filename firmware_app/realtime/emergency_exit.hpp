@@ -11,8 +11,8 @@
 
 namespace patella::app {
 
-/// While an object lives, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGQUIT, SIGHUP, SIGXCPU and
-/// SIGXFSZ, in whatever thread, take the enable line down and send commands of zero torque, twice and some
+/// While an object lives, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGQUIT, SIGHUP and SIGXCPU,
+/// in whatever thread, take the enable line down and send commands of zero torque, twice and some
 /// milliseconds apart, and then do what they always did. On the way only async-signal-safe system calls are
 /// made (signal-safety(7)): the pins' and the bus's functions for the loop are nothing else.
 class EmergencyExit {

@@ -13,6 +13,8 @@
 #include <system_error>
 #include <vector>
 
+#include <spdlog/spdlog.h>
+
 #include "core/safety/fault.hpp"
 #include "core/safety/state_machine.hpp"
 #include "core/safety/warning.hpp"
@@ -304,6 +306,10 @@ void Recorder::write(Files& files) {
       files.write(record);
       written_ticks_.fetch_add(1, std::memory_order_release);
       worked = true;
+    }
+    if (!failed_.load(std::memory_order_relaxed) && !files.error().empty()) {
+      failed_.store(true, std::memory_order_relaxed);
+      spdlog::error("recording failed: {}", files.error());  // events.log may be what failed
     }
     if (last_round) {
       break;

@@ -48,6 +48,9 @@ class Recorder {
   /// Less than min_free_bytes are left; looked at by the writer every second.
   bool diskLow() const noexcept PATELLA_NONBLOCKING { return disk_low_.load(std::memory_order_relaxed); }
 
+  /// Loop side: a file could not be written; from then on nothing more is written to it.
+  bool failed() const noexcept PATELLA_NONBLOCKING { return failed_.load(std::memory_order_relaxed); }
+
   std::uint64_t droppedTicks() const noexcept { return dropped_ticks_; }
   std::uint64_t droppedFrames() const noexcept { return dropped_frames_; }
   std::uint64_t writtenTicks() const noexcept { return written_ticks_.load(std::memory_order_acquire); }
@@ -69,6 +72,7 @@ class Recorder {
   std::atomic<std::uint64_t> written_frames_{0};
   std::atomic<bool> stop_{false};
   std::atomic<bool> disk_low_{false};
+  std::atomic<bool> failed_{false};
   std::uint64_t dropped_before_ = 0;
   std::string error_;
   RecorderOptions options_;

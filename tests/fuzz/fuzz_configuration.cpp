@@ -6,19 +6,37 @@
 #include "tests/fuzz/fuzz_input.hpp"
 #include "tests/support/paths.hpp"
 
+namespace {
+
+/// Holds the configuration, and links for the paths in it, which are those of the shipped ones.
+class Folder {
+ public:
+  Folder() {
+    std::filesystem::create_directories(path_);
+    const std::filesystem::path config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+    for (const char* name : {"models", "can", "references"}) {
+      std::filesystem::create_directory_symlink(config / name, path_ / name);
+    }
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("patella-fuzz-" + std::to_string(getpid()));
+};
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace patella;
-  // Paths in the file are those of the shipped configurations.
-  static const std::filesystem::path folder = [] {
-    const auto made = std::filesystem::temp_directory_path() / ("patella-fuzz-" + std::to_string(getpid()));
-    std::filesystem::create_directories(made);
-    const std::filesystem::path config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
-    for (const char* name : {"models", "can"}) {
-      std::filesystem::create_directory_symlink(config / name, made / name);
-    }
-    return made;
-  }();
-  const std::filesystem::path path = folder / "fuzz.toml";
+  static const Folder folder;
+  const std::filesystem::path path = folder.path() / "fuzz.toml";
   if (std::FILE* file = std::fopen(path.c_str(), "wb"); file != nullptr) {
     std::fwrite(data, 1, size, file);
     std::fclose(file);

@@ -1,14 +1,17 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each for so many seconds on the corpus in the tree and on the shipped files.
+# Builds the fuzz targets and runs each on the corpus in the tree and on the shipped files.
 #
-#   tests/fuzz/run.sh SECONDS [TARGET...]
+#   tests/fuzz/run.sh SECONDS [TARGET...]    looks for that long in each
+#   tests/fuzz/run.sh short [TARGET...]      the corpus in the tree, and some seconds of chance from a fixed seed
+#   tests/fuzz/run.sh merge [TARGET...]      puts into the tree what has a name of its own there, and the fewest inputs
+#                                            that pass every place in the code that all of them pass
 #
 # What is found stands in build/fuzz/findings; new inputs in build/fuzz/corpus. Exit status: 0 nothing found, or
 # skipped (said loudly) where clang or its fuzzer runtime is absent; 1 something found.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=${1:?usage: tests/fuzz/run.sh SECONDS [TARGET...]}
-[[ $seconds =~ ^[0-9]+$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds" >&2; exit 1; }
+seconds=${1:?usage: tests/fuzz/run.sh SECONDS|short|merge [TARGET...]}
+[[ $seconds =~ ^([0-9]+|short|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds, short or merge" >&2; exit 1; }
 shift
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(dbc candump safetensors configuration model tick)
@@ -32,20 +35,59 @@ seeds() {
     configuration) echo firmware_app/config/*.toml ;;
   esac
 }
+# Longest input: a tick takes a tenth of a millisecond and a byte or twelve.
+longest() { [ "$1" = tick ] && echo 1024 || echo 16384; }
+# Longest input that is kept in the tree.
+kept() { case $1 in tick) echo 512 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
+# What takes two or three seconds.
+short_runs() { [ "$1" = tick ] && echo 200 || echo 10000; }
+# The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
+words() {
+  # shellcheck disable=SC2046
+  cat $(seeds "$1") tests/fuzz/corpus/"$1"/* | grep -aoE '[A-Za-z_][A-Za-z_0-9]{2,30}' | sort -u | head -1000 |
+    sed 's/.*/"&"/'
+}
 status=0
 for target in "${targets[@]}"; do
+  program=build/fuzz/tests/fuzz/fuzz_$target
+  tree=tests/fuzz/corpus/$target
   new=build/fuzz/corpus/$target
   findings=build/fuzz/findings/$target
-  mkdir -p "$new" "$findings" "tests/fuzz/corpus/$target"
-  for seed in $(seeds "$target"); do cp "$seed" "$new/"; done
-  echo "== $target: $seconds s"
   log=build/fuzz/$target.log
-  if build/fuzz/tests/fuzz/fuzz_"$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -max_len=16384 \
-    -artifact_prefix="$findings/" -print_final_stats=1 "$new" "tests/fuzz/corpus/$target" >"$log" 2>&1; then
-    grep -E 'stat::number_of_executed_units|cov:' "$log" | tail -2
+  mkdir -p "$new" "$findings"
+  if [ "$seconds" = merge ]; then
+    mkdir "$probe/$target"
+    find "$tree" -type f -regextype egrep -not -regex '.*/[0-9a-f]{40}' -exec cp {} "$probe/$target" \;
+    "$program" -set_cover_merge=1 -use_counters=0 -max_len="$(kept "$target")" "$probe/$target" "$tree" "$new" >"$log" 2>&1 ||
+      { tail -40 "$log"; exit 1; }
+    rm -rf "$tree"
+    cp -r "$probe/$target" "$tree"
+    echo "$target: $(find "$tree" -type f | wc -l) inputs, $(du -sb --apparent-size "$tree" | cut -f1) bytes"
+    continue
+  fi
+  if [ "$seconds" = short ]; then
+    new=$probe/$target
+    mkdir "$new"
+    limits=(-seed=1 -runs="$(short_runs "$target")")
+  else
+    limits=(-max_total_time="$seconds")
+  fi
+  for seed in $(seeds "$target"); do cp "$seed" "$new/"; done
+  dictionary=()
+  if [ "$target" != tick ]; then
+    words "$target" >build/fuzz/"$target".dict
+    dictionary=(-dict=build/fuzz/"$target".dict)
+  fi
+  started=$(date +%s)
+  TIMEFORMAT='%U %S'
+  if { time "$program" "${limits[@]}" -timeout=60 -rss_limit_mb=2048 -max_len="$(longest "$target")" \
+    "${dictionary[@]}" -artifact_prefix="$findings/" -print_final_stats=1 "$new" "$tree" >"$log" 2>&1; } 2>"$probe/time"; then
+    executed=$(grep -aoE 'number_of_executed_units: *[0-9]+' "$log" | grep -oE '[0-9]+$')
+    covered=$(grep -aoE 'cov: [0-9]+ ft: [0-9]+' "$log" | tail -1)
+    echo "$target: $executed executions in $(($(date +%s) - started)) s, processor $(tail -1 "$probe/time" | awk '{ printf "%.0f s", $1 + $2 }'), $covered"
   else
     tail -40 "$log"
-    echo "FOUND: see $findings" >&2
+    echo "FOUND: $target, see $findings" >&2
     status=1
   fi
 done

@@ -9,56 +9,20 @@
 #include <vector>
 
 #include <doctest/doctest.h>
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "tests/integration/runs/loop_process.hpp"
 #include "tests/integration/runs/run_folder.hpp"
-#include "tests/support/paths.hpp"
 
 using namespace patella;
-
-namespace {
-
-const std::string kConfig = std::string(PATELLA_SOURCE_DIR) + "/firmware_app/config/adult.toml";
-
-pid_t start(std::vector<std::string> arguments, const std::filesystem::path& errors) {
-  arguments.insert(arguments.begin(), {PATELLA_EXECUTABLE, "run", "--config", kConfig, "--clock", "virtual"});
-  std::vector<char*> words;
-  for (std::string& argument : arguments) {
-    words.push_back(argument.data());
-  }
-  words.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    const int file = open(errors.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-    dup2(file, STDERR_FILENO);
-    dup2(file, STDOUT_FILENO);
-    execv(words[0], words.data());
-    _exit(127);
-  }
-  return child;
-}
-
-int wait(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-std::string read(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-}  // namespace
+using namespace patella::test;
 
 TEST_CASE("a run killed by SIGKILL leaves a log that replays up to where it was cut") {
   for (int round = 0; round < 3; ++round) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::filesystem::path log = folder.path() / "run" / "frames.log";
     const pid_t child =
-        start({"--duration", "100000", "--out", (folder.path() / "run").string()}, folder.path() / "text");
+        start({"--clock", "virtual", "--duration", "100000", "--out", (folder.path() / "run").string()},
+              folder.path() / "text");
     std::error_code ignored;
     while (!std::filesystem::exists(log, ignored) || std::filesystem::file_size(log, ignored) < 500'000) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1 + round));
@@ -78,7 +42,8 @@ TEST_CASE("a run killed by SIGKILL leaves a log that replays up to where it was 
     for (const auto& [name, is_cut] : {std::pair{log, false}, std::pair{folder.path() / "cut.log", true}}) {
       const std::filesystem::path said = folder.path() / ("said" + std::to_string(is_cut ? 1 : 0));
       const std::filesystem::path out = folder.path() / ("replay" + std::to_string(is_cut ? 1 : 0));
-      CHECK(wait(start({"--backend", "replay:" + name.string(), "--out", out.string()}, said)) == 0);
+      CHECK(wait(start({"--clock", "virtual", "--backend", "replay:" + name.string(), "--out", out.string()},
+                       said)) == 0);
       const std::string words = read(said);
       INFO(words);
       if (is_cut) {

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder_fixture.hpp"
+#include "drivers/can/dbc.hpp"
 
 using namespace patella;
 using namespace patella::can;
@@ -170,6 +171,23 @@ TEST_CASE("a frame that is corrupt, repeated or out of range changes no input") 
   CHECK_FALSE(reading.faults.any());
 }
 
+TEST_CASE("a position out of range is refused from the first frame on, at either end") {
+  BusMap map = test::rigMap();
+  map.position_min_rad = -2.0;
+  map.position_max_rad = 1.0;
+  map.tolerated_bad_frames = 0;
+  for (const double beyond_rad : {-2.001, 1.001}) {
+    Fixture f(map);
+    f.others(0);
+    f.encoders(0, beyond_rad, 0.0);
+    const Reading refused = f.decoder.finish(0);
+    CHECK_FALSE(refused.complete);
+    CHECK(refused.faults == safety::FaultSet{Fault::kEncoderImplausible});
+    f.encoders(kMillisecond, beyond_rad > 0.0 ? 1.0 : -2.0, 0.0);
+    CHECK(f.decoder.finish(kMillisecond).complete);
+  }
+}
+
 TEST_CASE("positions that no leg can reach or jump to are refused, then reported") {
   BusMap map = test::rigMap();
   map.position_min_rad = -2.0;
@@ -237,6 +255,38 @@ TEST_CASE("one joint's encoder alone going silent is stale") {
   f.encoders(0, 0.0, 0.0);
   f.decoder.accept(f.rig.make("Encoder1", 6 * kMillisecond, {}));
   CHECK(f.decoder.finish(6 * kMillisecond).faults.has(Fault::kEncoderStale));
+}
+
+TEST_CASE("the part of a multiplexed message that no longer comes is stale, though the others do") {
+  const Database database = parseDbc(
+      "BO_ 1 Sensors: 8 Box\n SG_ Part M : 0|8@1+ (1,0) [0|1] \"\" N\n"
+      " SG_ Hip m0 : 8|16@1- (0.001,0) [-8|8] \"\" N\n SG_ Knee m1 : 8|16@1- (0.001,0) [-8|8] \"\" N\n"
+      "BO_ 2 Electrodes: 8 Box\n SG_ Part M : 0|8@1+ (1,0) [0|1] \"\" N\n"
+      " SG_ Left m0 : 8|16@1- (0.001,0) [-8|8] \"\" N\n SG_ Right m1 : 8|16@1- (0.001,0) [-8|8] \"\" N\n",
+      "mux.dbc");
+  BusMap map;
+  map.bindings = {{"position_rad.1", "Sensors", "Hip"},
+                  {"position_rad.2", "Sensors", "Knee"},
+                  {"emg_mV.1", "Electrodes", "Left"},
+                  {"emg_mV.2", "Electrodes", "Right"}};
+  MeasurementDecoder decoder(database, map, 2);
+  const auto sendPart = [&](std::uint32_t id, std::uint8_t part, std::int64_t time_ns) {
+    Frame frame;
+    frame.id = id;
+    frame.length = 8;
+    frame.data[0] = part;
+    frame.monotonic_ns = time_ns;
+    frame.wall_ns = kEpoch + time_ns;
+    decoder.accept(frame);
+  };
+  for (std::int64_t t = 0; t <= 60; ++t) {
+    const auto part = static_cast<std::uint8_t>(t % 2);
+    sendPart(1, t <= 20 ? part : 0, t * kMillisecond);
+    sendPart(2, t <= 2 ? part : 0, t * kMillisecond);
+    const safety::FaultSet faults = decoder.finish(t * kMillisecond).faults;
+    CHECK(faults.has(Fault::kEncoderStale) == (t > 19 + 5));
+    CHECK(faults.has(Fault::kEmgStale) == (t > 1 + 50));
+  }
 }
 
 TEST_CASE("bad frames are tolerated up to the configured number in a row") {

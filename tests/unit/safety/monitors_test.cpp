@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include <doctest/doctest.h>
 
@@ -272,6 +273,49 @@ TEST_CASE("mains hum is told from muscle by its frequency") {
   CHECK(at_mains < 1300);
   CHECK(hum(0.25, 50.0) == -1);
   CHECK(hum(1.0, 80.0) == -1);
+}
+
+TEST_CASE("what an electrode says after a gap is no more than one sample") {
+  // Muscle at its loudest, and a gap of nearly the timeout again and again: nothing but muscle.
+  EmgMonitor monitor({}, kSecond, 1000.0, 50.0);
+  FaultSet faults;
+  for (int k = 0; k < 20000; ++k) {
+    const bool after_gap = k % 300 == 299;
+    faults = faults | monitor.update({0.0, after_gap ? 1.5 : muscle(k), 0.0, 0.0}, after_gap ? 49 : 1);
+  }
+  CHECK_FALSE(faults.any());
+}
+
+TEST_CASE("lost frames hide neither hum nor an electrode that is off or saturated") {
+  const auto foundAfter = [](Fault fault, auto&& signal) {
+    EmgMonitor monitor({}, kSecond, 1000.0, 50.0);
+    std::mt19937 random(7);
+    int steps = 0;
+    for (int k = 0; k < 2000; ++k) {
+      ++steps;
+      if (random() % 4 != 0) {  // three in four are lost
+        continue;
+      }
+      if (monitor.update({0.0, signal(k * kTick_s), 0.0, 0.0}, steps).has(fault)) {
+        return k;
+      }
+      steps = 0;
+    }
+    return -1;
+  };
+  const auto within = [](int found, int longest) { return found > 0 && found <= longest; };
+  CHECK(within(
+      foundAfter(Fault::kEmgHum, [](double t) { return std::sin(2.0 * std::numbers::pi * 50.0 * t); }), 600));
+  CHECK(within(foundAfter(Fault::kEmgElectrodeOff, [](double) { return 0.1; }), 700));
+  CHECK(within(foundAfter(Fault::kEmgSaturated, [](double) { return 1.5; }), 60));
+}
+
+TEST_CASE(
+    "an electrode without a number is a fault for as long as it is so, and one that nobody uses is none") {
+  EmgMonitor monitor({}, kSecond, 1000.0, 50.0);
+  CHECK_FALSE(monitor.update({kNaN, 0.1, kNaN, kNaN}, 1).any());
+  CHECK(monitor.update({0.0, kNaN, 0.0, 0.0}, 1) == FaultSet{Fault::kNotFinite});
+  CHECK_FALSE(monitor.update({0.0, 0.2, 0.0, 0.0}, 1).any());
 }
 
 TEST_CASE("torque that nothing explains, and distance from the reference, count after their times") {

@@ -63,6 +63,7 @@ TEST_CASE("torque is cut at its limit, and held there for longer than tolerated 
     if (!out.faults.any()) {
       REQUIRE(out.torque_Nm[1] >= -20.0);
       REQUIRE(out.limits[1].has(Limit::kTorque));
+      REQUIRE(out.limits[1].has(Limit::kTorqueRate) == (out.torque_Nm[1] > -20.0));
       REQUIRE_FALSE(out.limits[0].any());
     }
   } while (!out.faults.any() && ticks < 1000);

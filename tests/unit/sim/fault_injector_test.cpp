@@ -20,7 +20,9 @@ constexpr std::uint32_t kEmg = 304;
 // A rig on its script, a sample a step.
 class Disturbed {
  public:
-  explicit Disturbed(FaultEvent event) : rig_(options(event), rigDatabase()) {}
+  /// The event begins at 3 ms; what is more, when it says.
+  explicit Disturbed(FaultEvent event, const std::vector<FaultEvent>& more = {})
+      : rig_(options(event, more), rigDatabase()) {}
 
   /// Frames of the sample at `millisecond`; call in order.
   std::vector<can::Frame> at(int millisecond) {
@@ -35,10 +37,11 @@ class Disturbed {
   Rig& rig() { return rig_; }
 
  private:
-  static RigOptions options(FaultEvent event) {
+  static RigOptions options(FaultEvent event, const std::vector<FaultEvent>& more) {
     RigOptions options = paperRig();
     event.time_s = 0.003;
-    options.faults = {event};
+    options.faults = more;
+    options.faults.insert(options.faults.begin(), event);
     return options;
   }
   Rig rig_;
@@ -256,6 +259,18 @@ TEST_CASE("bus-off and an interface that is down silence both directions") {
     CHECK(after.size() >= 5);
     CHECK_FALSE(rig.rig().interfaceDown());
   }
+}
+
+TEST_CASE("what was held back does not come over a bus that is off") {
+  FaultEvent delayed = fault(FaultKind::kDelayedFrames);
+  delayed.time_s = 0.0;
+  delayed.delay_s = 0.004;
+  delayed.duration_s = 0.003;
+  Disturbed rig(fault(FaultKind::kBusOff), {delayed});
+  rig.at(2);
+  const auto off = rig.at(5);
+  REQUIRE(off.size() == 1);
+  CHECK(off[0].error);
 }
 
 TEST_CASE("a stalled rig makes up for it late; a restarted one begins its counters anew") {

@@ -130,6 +130,17 @@ TEST_CASE("inputs that are not complete keep the loop from becoming ready") {
   CHECK(leg.run(100).state == State::kInit);
   leg.enable(true);
   CHECK(leg.step().state == State::kInit);
+
+  SUBCASE("and lead an active one back to the beginning") {
+    leg.input.complete = true;
+    leg.enable(false);
+    leg.run(30);
+    REQUIRE(leg.activate().state == State::kActive);
+    leg.input.complete = false;
+    const TickOutput& lost = leg.step();
+    CHECK(lost.state == State::kInit);
+    CHECK(noTorque(lost));
+  }
 }
 
 TEST_CASE("a joint beyond its range is stopped without anybody's help") {

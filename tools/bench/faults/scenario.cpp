@@ -90,6 +90,16 @@ control::JointMotion randomMotion(double middle_rad, Dice& dice) {
                                  .phase_rad = dice.between(-std::numbers::pi, std::numbers::pi)};
 }
 
+// Two of a kind in one place are one fault, and of two on an electrode the one hides the other: what either
+// owes could not be told.
+bool hides(const FaultEvent& one, const FaultEvent& other) {
+  const sim::ChannelGroup group = sim::channelGroup(one.kind);
+  const bool share_a_channel = one.concerns(other.channel) || other.concerns(one.channel);
+  const bool alike =
+      one.kind == other.kind || (group == sim::ChannelGroup::kEmg && sim::channelGroup(other.kind) == group);
+  return alike && share_a_channel;
+}
+
 }  // namespace
 
 FaultEvent randomFault(FaultKind kind, Dice& dice) {
@@ -148,8 +158,11 @@ app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
   config.tick.reference.motion[0] = randomMotion(-1.15, dice);
   config.tick.reference.motion[1] = randomMotion(-0.8, dice);
   const int faults = dice.chance(0.5) ? 1 : 2;
-  for (int i = 0; i < faults; ++i) {
-    config.faults.push_back(randomFault(static_cast<FaultKind>(dice.below(sim::kFaultKindCount)), dice));
+  while (static_cast<int>(config.faults.size()) < faults) {
+    const FaultEvent fault = randomFault(static_cast<FaultKind>(dice.below(sim::kScriptedKindCount)), dice);
+    if (config.faults.empty() || !hides(config.faults[0], fault)) {
+      config.faults.push_back(fault);
+    }
   }
   config.rig.faults = config.faults;
   return config;

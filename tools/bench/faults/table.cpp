@@ -54,7 +54,7 @@ std::string finding(const TrialResult& result) {
 }  // namespace
 
 std::string report(const std::vector<TrialResult>& results) {
-  std::vector<Row> rows(sim::kFaultKindCount);
+  std::vector<Row> rows(sim::kScriptedKindCount);
   int singles = 0;
   for (const TrialResult& result : results) {
     singles += result.faults.size() == 1 ? 1 : 0;
@@ -75,7 +75,7 @@ std::string report(const std::vector<TrialResult>& results) {
                                  static_cast<int>(results.size()) - singles);
   text += fmt::format("{:<22}{:>7}{:>12}{:>12}{:>12}{:>12}\n", "fault", "runs", "stop owed", "worst, ms",
                       "budget, ms", "seed");
-  for (int i = 0; i < sim::kFaultKindCount; ++i) {
+  for (int i = 0; i < sim::kScriptedKindCount; ++i) {
     const Row& row = rows[static_cast<std::size_t>(i)];
     text +=
         fmt::format("{:<22}{:>7}{:>12}", faultKindName(static_cast<sim::FaultKind>(i)), row.runs, row.owed);
