@@ -96,7 +96,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
 
   drainBus(woken_ns);
   const can::Reading reading = decoder_.finish(woken_ns);
-  const safety::FaultSet faults = reading.faults | hostFaults(missed);
+  const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
 
   tick::TickInput input;
   input.measurement = reading.measurement;
@@ -149,7 +149,8 @@ void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
   }
 }
 
-safety::FaultSet Loop::hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
+safety::FaultSet Loop::hostFaults(std::int64_t scheduled_ns,
+                                  std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
   safety::FaultSet faults;
   if (pins_.emergencyStop()) {
     faults.add(safety::Fault::kEmergencyStop);
@@ -165,7 +166,7 @@ safety::FaultSet Loop::hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOC
     faults.add(safety::Fault::kOverrun);
   }
   if (watchdog_ != nullptr) {
-    watchdog_->beat();
+    watchdog_->beat(scheduled_ns);
     if (watchdog_->takeTrip()) {
       faults.add(safety::Fault::kWatchdog);
     }

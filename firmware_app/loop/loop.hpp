@@ -84,7 +84,7 @@ class Loop {
  private:
   void tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
-  safety::FaultSet hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
+  safety::FaultSet hostFaults(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   safety::WarningSet hostWarnings() noexcept PATELLA_NONBLOCKING;
   void sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING;
   void account(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
