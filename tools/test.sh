@@ -3,18 +3,21 @@
 #
 #   tools/test.sh            style, unit and integration tests, User-mode Linux, the emulated board, all sanitizers, lint
 #   tools/test.sh --quick    the release build's fast tests, for use while working
+#   tools/test.sh --package  only the Debian package, of this machine and of arm64: build; install, run, remove and purge
 #   tools/test.sh --board    only the emulated board (docs/board.md), and every unit test under emulation of arm64
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 quick=false
 board=false
+package=false
 case "${1:-}" in
   "") ;;
   --quick) quick=true ;;
   --board) board=true ;;
+  --package) package=true ;;
   *)
-    echo "tools/test.sh: unknown argument '$1', expected --quick, --board or nothing" >&2
+    echo "tools/test.sh: unknown argument '$1', expected --quick, --board, --package or nothing" >&2
     exit 2
     ;;
 esac
@@ -63,6 +66,35 @@ run_board() {
 
 if $board; then
   run_board all
+  exit 0
+fi
+
+# The programs of the package, then the package.
+run_package() {
+  local preset=$1 status=0
+  build "$preset" "patella patella-rig patella-convert patella-report patella_man_pages"
+  headline "package: $preset"
+  rm -f "build/$preset"/*.deb
+  (cd "build/$preset" && cpack -G DEB >cpack.log 2>&1) || { cat "build/$preset/cpack.log"; exit 1; }
+  tests/package/test_package.sh "build/$preset"/*.deb || status=$?
+  if [ "$status" -eq 77 ]; then
+    skip "installing $(basename "build/$preset"/*.deb)"
+    return 0
+  fi
+  return "$status"
+}
+if $package; then
+  tools/setup.sh --test
+  run_package release
+  cross=0
+  tools/setup.sh --cross || cross=$?
+  if [ "$cross" -eq 77 ]; then
+    skip "the package for arm64: its packages cannot be had here (tools/setup.sh --cross)"
+  elif [ "$cross" -ne 0 ]; then
+    exit "$cross"
+  else
+    run_package arm64
+  fi
   exit 0
 fi
 

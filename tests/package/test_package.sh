@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs, runs, removes and purges the Debian package in a clean system made by debootstrap.
 #
-#   tools/package/test_package.sh PACKAGE.deb [CACHE-FOLDER]
+#   tests/package/test_package.sh PACKAGE.deb [CACHE-FOLDER]
 #
 # Needs root and debootstrap. Exit status 77 where that, or a system of the package's architecture, cannot be had.
 set -euo pipefail
