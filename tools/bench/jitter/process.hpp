@@ -22,8 +22,8 @@ class BackgroundProgram {
   pid_t pid_;
 };
 
-/// Runs a program to its end, output and errors into a file. Throws std::runtime_error naming the program and
-/// its exit status when it cannot be started or does not end with 0.
-void runProgram(const std::vector<std::string>& words, const std::filesystem::path& output);
+/// Runs a program to its end, output and errors into a file, and returns its exit status. Throws
+/// std::runtime_error naming the program when it cannot be started or ends with a status above `tolerated`.
+int runProgram(const std::vector<std::string>& words, const std::filesystem::path& output, int tolerated = 0);
 
 }  // namespace patella::bench
