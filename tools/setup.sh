@@ -13,7 +13,7 @@ build_packages=(
   libtomlplusplus-dev nlohmann-json3-dev
   gnuplot-nox
 )
-test_packages=(can-utils clang-format clang-tidy iproute2 libtorch-dev python3 python3-torch)
+test_packages=(can-utils clang-format clang-tidy debootstrap iproute2 libtorch-dev python3 python3-torch)
 # Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
 optional_test_packages=(clang-22 libclang-rt-22-dev)
 

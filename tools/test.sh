@@ -1,47 +1,101 @@
 #!/usr/bin/env bash
 # Installs what testing needs, builds, and runs every check.
 #
-#   tools/test.sh            style, unit and integration tests, User-mode Linux, all sanitizers, lint
+#   tools/test.sh            style, unit and integration tests, User-mode Linux, the emulated board, all sanitizers, lint
 #   tools/test.sh --quick    the release build's fast tests, for use while working
-#   tools/test.sh --board    arm64: cross build, its tests under emulation, the emulated board (docs/board.md)
+#   tools/test.sh --package  only the Debian package, of this machine and of arm64: build; install, run, remove and purge
+#   tools/test.sh --board    only the emulated board (docs/board.md), and every unit test under emulation of arm64
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 quick=false
 board=false
+package=false
 case "${1:-}" in
   "") ;;
   --quick) quick=true ;;
   --board) board=true ;;
+  --package) package=true ;;
   *)
-    echo "tools/test.sh: unknown argument '$1', expected --quick, --board or nothing" >&2
+    echo "tools/test.sh: unknown argument '$1', expected --quick, --board, --package or nothing" >&2
     exit 2
     ;;
 esac
 
 headline() { printf '\n== %s\n' "$*"; }
-# build PRESET TARGET [CMAKE_ARGUMENT...]
+# build PRESET "TARGET..." [CMAKE_ARGUMENT...]
 build() {
-  local preset=$1 target=$2
+  local preset=$1 targets
+  read -ra targets <<<"$2"
   shift 2
   headline "build: $preset"
   mkdir -p build
   cmake --preset "$preset" "$@" >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
-  cmake --build --preset "$preset" --target "$target"
+  cmake --build --preset "$preset" --target "${targets[@]}"
+}
+
+skipped=()
+skip() {
+  echo "=================================================================="
+  echo "SKIPPED: $*"
+  echo "=================================================================="
+  skipped+=("$*")
+}
+
+# run_board all|TEST...: the emulated board's scenarios, and unit tests under emulation.
+run_board() {
+  local cross=0 filter
+  tools/setup.sh --cross || cross=$?
+  if [ "$cross" -eq 77 ]; then
+    skip "$(ls tests/board/qemu/scenarios/*.sh | wc -l) scenarios on the emulated board, and unit tests for arm64:" \
+      "their packages cannot be had here (tools/setup.sh --cross)"
+    return 0
+  elif [ "$cross" -ne 0 ]; then
+    return "$cross"
+  fi
+  if [ "$1" = all ]; then
+    build arm64 all
+    filter=.
+  else
+    build arm64 "patella_board $*"
+    filter="^(board_.*|$(IFS='|'; echo "$*"))$"
+  fi
+  headline "tests: arm64, under user emulation and on the emulated board"
+  ctest --preset arm64 -j "$(nproc)" -R "$filter"
 }
 
 if $board; then
+  run_board all
+  exit 0
+fi
+
+# The programs of the package, then the package.
+run_package() {
+  local preset=$1 status=0
+  build "$preset" "patella patella-rig patella-convert patella-report patella_man_pages"
+  headline "package: $preset"
+  rm -f "build/$preset"/*.deb
+  (cd "build/$preset" && cpack -G DEB >cpack.log 2>&1) || { cat "build/$preset/cpack.log"; exit 1; }
+  tests/package/test_package.sh "build/$preset"/*.deb || status=$?
+  if [ "$status" -eq 77 ]; then
+    skip "installing $(basename "build/$preset"/*.deb)"
+    return 0
+  fi
+  return "$status"
+}
+if $package; then
+  tools/setup.sh --test
+  run_package release
   cross=0
   tools/setup.sh --cross || cross=$?
   if [ "$cross" -eq 77 ]; then
-    echo "SKIPPED: arm64 and the emulated board need packages that cannot be had here (tools/setup.sh --cross)"
-    exit 0
+    skip "the package for arm64: its packages cannot be had here (tools/setup.sh --cross)"
   elif [ "$cross" -ne 0 ]; then
     exit "$cross"
+  else
+    run_package arm64
   fi
-  build arm64 all
-  headline "tests: arm64, under user emulation and on the emulated board"
-  exec ctest --preset arm64 -j "$(nproc)"
+  exit 0
 fi
 
 tools/setup.sh --test
@@ -58,6 +112,9 @@ tools/checks/format.sh
 headline "tests: release"
 ctest --preset release -j "$(nproc)"
 
+# Of the unit tests, those that depend on processor or libraries: byte order, the heap's symbols, the lines.
+run_board allocation_counter_test can_test gpiod_pins_test
+
 # Where it is there, clang builds every sanitizer: in half the time that GCC takes.
 compiler=()
 if command -v clang++-22 >/dev/null; then
@@ -65,7 +122,7 @@ if command -v clang++-22 >/dev/null; then
 fi
 for preset in asan tsan rtsan; do
   if [ "$preset" = rtsan ] && [ ${#compiler[@]} -eq 0 ]; then
-    echo "SKIPPED: RealtimeSanitizer needs clang++-22, which this distribution does not carry"
+    skip "RealtimeSanitizer needs clang++-22, which this distribution does not carry"
     continue
   fi
   build "$preset" patella_tests "${compiler[@]}"
@@ -78,3 +135,8 @@ tests/fuzz/run.sh short
 
 headline "lint"
 tools/checks/tidy.sh build/release
+
+if [ ${#skipped[@]} -gt 0 ]; then
+  headline "passed, but for ${#skipped[@]} parts that were SKIPPED"
+  printf '  %s\n' "${skipped[@]}"
+fi

@@ -64,7 +64,9 @@ bool FrontEnd::update(const Measurement& m, const EmgArray& activation, const Jo
   }
   model_.advance(state_, step_s_);
   terms_ = model_.evaluate(state_);
+  enter(probe_, Stage::kObserver);
   estimates_.f_s = observer_->update(observerInput());
+  enter(probe_, Stage::kModel);
   for (int joint = 0; joint < joints(); ++joint) {
     estimates_.f_s_filtered[joint] = filter_[static_cast<std::size_t>(joint)].step(estimates_.f_s[joint]);
   }

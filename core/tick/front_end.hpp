@@ -13,6 +13,7 @@
 #include "core/model/dynamics_model.hpp"
 #include "core/signal/biquad.hpp"
 #include "core/tick/features.hpp"
+#include "core/tick/stage_probe.hpp"
 
 namespace patella::tick {
 
@@ -47,6 +48,9 @@ class FrontEnd {
   /// Everything with a memory starts over at the present sample, with nothing known of f_u.
   void restart() noexcept PATELLA_NONBLOCKING;
 
+  /// Somebody who measures, and must outlive this.
+  void probedBy(StageProbe& probe) noexcept { probe_ = &probe; }
+
   bool started() const noexcept { return started_; }
   int joints() const noexcept { return model_.joints(); }
   const model::DynamicsModel& model() const noexcept { return model_; }
@@ -73,6 +77,7 @@ class FrontEnd {
   Estimates estimates_;
   JointVector previous_torque_Nm_;  ///< applied at the sample before
   double step_s_;
+  StageProbe* probe_ = nullptr;
   bool has_velocity_ = false;  ///< state_.dq was measured
   bool started_ = false;       ///< a first sample has been seen
 };

@@ -88,16 +88,21 @@ Tick::Tick(const TickSettings& settings, model::DynamicsModel model,
 }
 
 const TickOutput& Tick::step(const TickInput& input) noexcept PATELLA_NONBLOCKING {
+  enter(probe_, Stage::kEmg);
   output_.activation = emg_.update(input.measurement.emg_mV, input.measurement.emg_steps).activation;
   output_.estimated = false;
   output_.has_network = false;
   if (input.complete && input.measurement.encoder_steps > 0) {
+    enter(probe_, Stage::kModel);
     estimate(input);
     if (network_) {
+      enter(probe_, Stage::kNetworkStep);
       estimateNetwork(input.measurement.encoder_steps);
     }
   }
+  enter(probe_, Stage::kControl);
   demand(input);
+  enter(probe_, Stage::kSafety);
   decide(input);
   return output_;
 }

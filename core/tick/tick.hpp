@@ -21,6 +21,7 @@
 #include "core/safety/warning.hpp"
 #include "core/tick/features.hpp"
 #include "core/tick/front_end.hpp"
+#include "core/tick/stage_probe.hpp"
 
 namespace patella::tick {
 
@@ -95,6 +96,12 @@ class Tick {
 
   int joints() const noexcept { return front_.joints(); }
 
+  /// Somebody who measures, and must outlive this.
+  void probedBy(StageProbe& probe) noexcept {
+    probe_ = &probe;
+    front_.probedBy(probe);
+  }
+
  private:
   void estimate(const TickInput& input) noexcept;
   void estimateNetwork(int encoder_steps) noexcept;
@@ -132,6 +139,7 @@ class Tick {
   JointVector nothing_;  ///< zero for every joint
   JointVector last_command_Nm_;
   double active_since_s_ = 0.0;
+  StageProbe* probe_ = nullptr;
 };
 
 }  // namespace patella::tick

@@ -172,6 +172,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   std::optional<EmergencyExit> emergency_exit;
   if (config.clock == ClockKind::kMonotonic) {
     WatchdogOptions options = config.watchdog;
+    options.loop_period_s = 1.0 / config.loop.rate_Hz;
     options.priority = config.realtime.priority > 0 ? std::min(config.realtime.priority + 1, 99) : 0;
     watchdog.emplace(options, *pins);
     loop.watchedBy(*watchdog);

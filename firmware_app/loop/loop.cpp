@@ -10,6 +10,8 @@
 namespace patella::app {
 namespace {
 
+using tick::Stage;
+
 constexpr std::size_t kFramesPerTick = 256;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -95,8 +97,10 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   statistics_->wakeup.add(woken_ns - scheduled_ns);
 
   drainBus(woken_ns);
+  enter(probe_, Stage::kDecode);
   const can::Reading reading = decoder_.finish(woken_ns);
-  const safety::FaultSet faults = reading.faults | hostFaults(missed);
+  enter(probe_, Stage::kLines);
+  const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
 
   tick::TickInput input;
   input.measurement = reading.measurement;
@@ -106,9 +110,11 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   const tick::TickOutput& output = tick_.step(input);
 
   sendCommand(output.command);
+  enter(probe_, Stage::kLines);
   heartbeat_ = !heartbeat_;
   pins_.setHeartbeat(heartbeat_);
 
+  enter(probe_, Stage::kAccount);
   const std::int64_t done_ns = clock_.now();
   const std::int64_t execution_ns = done_ns - woken_ns;
   statistics_->execution.add(execution_ns);
@@ -128,28 +134,37 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   record_.missed_periods = missed;
   record_.wakeup_latency_ns = woken_ns - scheduled_ns;
   record_.execution_ns = execution_ns;
+  enter(probe_, Stage::kRecord);
   record(reading.measurement, output);
 
   // Phase two: what the next tick can have ready before its frame arrives.
+  enter(probe_, Stage::kNetworkPrepare);
   tick_.prepareNext();
+  enter(probe_, Stage::kOutside);
   ++index_;
 }
 
 void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
+  enter(probe_, Stage::kReceive);
   const std::size_t count = bus_.receive(frames_, now_ns);
+  enter(probe_, Stage::kDecode);
   for (std::size_t i = 0; i < count; ++i) {
     const can::Frame& frame = frames_[i];
     if (frame.own) {
       continue;
     }
     decoder_.accept(frame);
-    if (recorder_ != nullptr) {
-      recorder_->frame(frame);
+  }
+  enter(probe_, Stage::kRecord);
+  for (std::size_t i = 0; recorder_ != nullptr && i < count; ++i) {
+    if (!frames_[i].own) {
+      recorder_->frame(frames_[i]);
     }
   }
 }
 
-safety::FaultSet Loop::hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
+safety::FaultSet Loop::hostFaults(std::int64_t scheduled_ns,
+                                  std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
   safety::FaultSet faults;
   if (pins_.emergencyStop()) {
     faults.add(safety::Fault::kEmergencyStop);
@@ -165,7 +180,7 @@ safety::FaultSet Loop::hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOC
     faults.add(safety::Fault::kOverrun);
   }
   if (watchdog_ != nullptr) {
-    watchdog_->beat();
+    watchdog_->beat(scheduled_ns);
     if (watchdog_->takeTrip()) {
       faults.add(safety::Fault::kWatchdog);
     }
@@ -200,12 +215,16 @@ void Loop::sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING {
   if (EmergencyExit::begun()) {
     return;  // the handler of the signal that ends the process has the bus and the line
   }
+  enter(probe_, Stage::kEncode);
   can::Frame frame = encoder_.encode(command);
+  enter(probe_, Stage::kSend);
   const can::SendResult result = bus_.send(frame, clock_.now());
   consecutive_send_failures_ = result == can::SendResult::kSent ? 0 : consecutive_send_failures_ + 1;
   sent_wall_ns_ = result == can::SendResult::kSent ? frame.wall_ns : 0;
+  enter(probe_, Stage::kLines);
   // The enable line follows the command only when the drive could be told.
   pins_.setDriveEnable(command.enable && result == can::SendResult::kSent);
+  enter(probe_, Stage::kRecord);
   if (recorder_ != nullptr && result == can::SendResult::kSent) {
     recorder_->frame(frame);
   }

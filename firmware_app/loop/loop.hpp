@@ -75,6 +75,12 @@ class Loop {
   /// Before run(): somebody who watches, and must outlive the loop.
   void watchedBy(Watchdog& watchdog) noexcept { watchdog_ = &watchdog; }
 
+  /// Before run(): somebody who measures the stages of a tick, and must outlive the loop.
+  void probedBy(tick::StageProbe& probe) noexcept {
+    probe_ = &probe;
+    tick_.probedBy(probe);
+  }
+
   /// Runs in the calling thread until max_ticks, until the bus is exhausted, or until `stop` is set; then
   /// sends zero torque and drops drive enable.
   void run(const std::atomic<bool>& stop) noexcept;
@@ -84,7 +90,7 @@ class Loop {
  private:
   void tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
-  safety::FaultSet hostFaults(std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
+  safety::FaultSet hostFaults(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   safety::WarningSet hostWarnings() noexcept PATELLA_NONBLOCKING;
   void sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING;
   void account(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
@@ -101,6 +107,7 @@ class Loop {
   tick::Tick& tick_;
   Recorder* recorder_;
   Watchdog* watchdog_ = nullptr;
+  tick::StageProbe* probe_ = nullptr;
   std::vector<can::Frame> frames_;
   std::unique_ptr<LoopStatistics> statistics_;
   TickRecord record_;

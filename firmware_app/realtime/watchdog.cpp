@@ -14,12 +14,18 @@ using SteadyClock = std::chrono::steady_clock;
 /// Looks at the loop so many times in a timeout.
 constexpr int kLooks = 8;
 constexpr double kShortestTimeout_s = 0.002;
+constexpr double kLongestPeriod_s = 1.0;
+
+SteadyClock::duration toDuration(double seconds) {
+  return std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(seconds));
+}
 
 }  // namespace
 
 Watchdog::Watchdog(const WatchdogOptions& options, gpio::Pins& pins) : options_(options), pins_(pins) {
   requireRange("watchdog.timeout_s", options.timeout_s, kShortestTimeout_s,
                WatchdogOptions::kCeilingTimeout_s);
+  requireRange("watchdog.loop_period_s", options.loop_period_s, 0.0, kLongestPeriod_s);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -36,14 +42,28 @@ void Watchdog::stop() noexcept {
   }
 }
 
+SteadyClock::time_point midwayBetweenTicks(SteadyClock::time_point earliest, SteadyClock::time_point tick,
+                                           SteadyClock::duration period) noexcept {
+  if (period <= SteadyClock::duration::zero()) {
+    return earliest;
+  }
+  const SteadyClock::time_point midway = earliest - (earliest - tick) % period + period / 2;
+  return midway < earliest ? midway + period : midway;
+}
+
+SteadyClock::time_point Watchdog::nextLook() const noexcept {
+  const std::chrono::nanoseconds tick(scheduled_ns_.load(std::memory_order_relaxed));
+  return midwayBetweenTicks(SteadyClock::now() + toDuration(options_.timeout_s) / kLooks,
+                            SteadyClock::time_point(tick), toDuration(options_.loop_period_s));
+}
+
 void Watchdog::run() noexcept {
   if (options_.priority > 0) {
     sched_param parameters{};
     parameters.sched_priority = options_.priority;
     pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
   }
-  const auto timeout =
-      std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(options_.timeout_s));
+  const auto timeout = toDuration(options_.timeout_s);
   const auto manager_interval = ServiceNotifier::watchdogInterval();
   std::uint64_t seen = 0;
   auto seen_at = SteadyClock::now();
@@ -52,7 +72,7 @@ void Watchdog::run() noexcept {
   bool tripped = false;
   bool level = false;
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, timeout / kLooks, [this] { return stopping_; })) {
+  while (!wake_.wait_until(lock, nextLook(), [this] { return stopping_; })) {
     const auto now = SteadyClock::now();
     const std::uint64_t beats = beats_.load(std::memory_order_relaxed);
     if (beats == 0) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -16,9 +17,17 @@ namespace patella::app {
 
 struct WatchdogOptions {
   static constexpr double kCeilingTimeout_s = 0.5;
-  double timeout_s = 0.05;  ///< without a tick before the line goes down
-  int priority = 0;         ///< SCHED_FIFO of the thread, above the loop's; 0 leaves the scheduling alone
+  double timeout_s = 0.05;     ///< without a tick before the line goes down
+  int priority = 0;            ///< SCHED_FIFO of the thread, above the loop's; 0 leaves the scheduling alone
+  double loop_period_s = 0.0;  ///< where known, the thread wakes midway between two ticks, out of their way
 };
+
+/// The first instant from `earliest` on that lies half a period from the ticks on either side, where ticks
+/// come every `period` and one at `tick`; `earliest` itself where the period is not known (0). A thread of
+/// higher priority than the loop's that wakes together with it is latency of the loop's.
+std::chrono::steady_clock::time_point midwayBetweenTicks(std::chrono::steady_clock::time_point earliest,
+                                                         std::chrono::steady_clock::time_point tick,
+                                                         std::chrono::steady_clock::duration period) noexcept;
 
 class Watchdog {
  public:
@@ -29,8 +38,11 @@ class Watchdog {
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
-  /// The loop lives; once a tick.
-  void beat() noexcept PATELLA_NONBLOCKING { beats_.fetch_add(1, std::memory_order_relaxed); }
+  /// The loop lives; once a tick, with the instant for which that was scheduled (CLOCK_MONOTONIC).
+  void beat(std::int64_t scheduled_ns = 0) noexcept PATELLA_NONBLOCKING {
+    scheduled_ns_.store(scheduled_ns, std::memory_order_relaxed);
+    beats_.fetch_add(1, std::memory_order_relaxed);
+  }
   /// True once after each trip: the loop, living again, makes a latched fault of it.
   bool takeTrip() noexcept PATELLA_NONBLOCKING {
     return tripped_.load(std::memory_order_relaxed) && tripped_.exchange(false, std::memory_order_acq_rel);
@@ -42,11 +54,13 @@ class Watchdog {
 
  private:
   void run() noexcept;
+  std::chrono::steady_clock::time_point nextLook() const noexcept;
 
   WatchdogOptions options_;
   gpio::Pins& pins_;
   ServiceNotifier manager_;
   std::atomic<std::uint64_t> beats_{0};
+  std::atomic<std::int64_t> scheduled_ns_{0};
   std::atomic<bool> tripped_{false};
   std::atomic<std::uint64_t> trips_{0};
   std::mutex mutex_;

@@ -4,7 +4,8 @@
 #   tools/board/run.sh SCENARIO [--artefacts DIR] [--kernel rt|plain] [--limit SECONDS] [-- ARGUMENT...]
 #
 # SCENARIO is a shell script, or the name of one in tests/board/qemu/scenarios. Lines in it that begin with "# board:"
-# say what it needs: kernel=rt|plain, time=counted|wall, can=CONTROLLERS, limit=SECONDS, program=PATH in the build tree.
+# say what it needs: kernel=rt|plain, time=counted|wall, can=CONTROLLERS, isolated=yes (a second processor, kept for
+# the loop as docs/rig.md has it), limit=SECONDS, program=PATH in the build tree.
 # Counted time (the default) passes with the instructions executed, whatever else the host does: a run repeats exactly.
 # Wall time is the host's.
 #
@@ -18,7 +19,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
 . "$here/libraries.sh"
 
-usage() { sed -n '2,17s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+usage() { sed -n '2,18s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 unavailable() {
   echo "==================================================================" >&2
   echo "SKIPPED, NOT tested on the emulated board: $*" >&2
@@ -34,10 +35,10 @@ scenario=$1; shift
 name=$(basename "$scenario" .sh)
 
 # What the scenario needs, then what the command line says.
-kernel=rt time=counted can=0 limit=150 programs=() artefacts=
+kernel=rt time=counted can=0 isolated=no limit=150 programs=() artefacts=
 for need in $(sed -n 's/^# board://p' "$scenario"); do
   case $need in
-    kernel=* | time=* | can=* | limit=*) declare "$need" ;;
+    kernel=* | time=* | can=* | isolated=* | limit=*) declare "$need" ;;
     program=*) programs+=("${need#program=}") ;;
     *) echo "run.sh: $scenario: unknown need '$need'" >&2; exit 2 ;;
   esac
@@ -89,9 +90,15 @@ cp "$scenario" "$root/job/scenario"
 make_cpio "$root" "$work/job.cpio.gz"
 cat "$image/base.cpio.gz" "$work/job.cpio.gz" >"$work/initramfs"
 
-qemu=(qemu-system-aarch64 -M virt,dtb-randomness=off -cpu cortex-a72 -m 512 -nodefaults -display none -no-reboot
+append="console=ttyAMA0 nokaslr norandmaps quiet panic=-1 rdinit=/init"
+processors=1
+if [ "$isolated" = yes ]; then
+  processors=2
+  append+=" isolcpus=managed_irq,domain,1 nohz_full=1 rcu_nocbs=1 irqaffinity=0"
+fi
+qemu=(qemu-system-aarch64 -M virt,dtb-randomness=off -cpu cortex-a72 -smp "$processors" -m 512 -nodefaults -display none -no-reboot
   -kernel "$image/vmlinuz" -initrd "$work/initramfs"
-  -append "console=ttyAMA0 nokaslr norandmaps quiet panic=-1 rdinit=/init"
+  -append "$append"
   -chardev stdio,id=console,signal=off -serial chardev:console
   -semihosting-config enable=on,userspace=on)
 if [ "$time" = counted ]; then

@@ -238,6 +238,22 @@ TEST_CASE("whatever signal ends the process, the line goes down and zero torque 
   }
 }
 
+TEST_CASE("the watching thread wakes midway between two ticks") {
+  using std::chrono::microseconds;
+  using Instant = std::chrono::steady_clock::time_point;
+  const auto look_us = [](int earliest_us, int tick_us, int period_us) {
+    const Instant look = midwayBetweenTicks(Instant(microseconds(earliest_us)),
+                                            Instant(microseconds(tick_us)), microseconds(period_us));
+    return std::chrono::duration_cast<microseconds>(look.time_since_epoch()).count();
+  };
+  // Ticks at 250 µs of every millisecond.
+  CHECK(look_us(10'300, 5'250, 1000) == 10'750);
+  CHECK(look_us(10'750, 5'250, 1000) == 10'750);
+  CHECK(look_us(10'751, 5'250, 1000) == 11'750);
+  CHECK(look_us(11'249, 5'250, 1000) == 11'750);
+  CHECK(look_us(10'300, 5'250, 0) == 10'300);
+}
+
 TEST_CASE("there is one emergency exit, and after it the handlers are as before") {
   std::array<int, 2> ends{};
   REQUIRE(pipe(ends.data()) == 0);

@@ -26,7 +26,7 @@ struct Contender {
 };
 
 /// Shape as above, uniform within 1/sqrt(columns), features and outputs of zero mean and scale one.
-network::NetworkWeights randomWeights();
+network::NetworkWeights randomWeights(int window = kWindow);
 
 /// Bytes that one step must read at least: weights, biases, keys and values.
 std::size_t bytesOfStep();

@@ -39,31 +39,6 @@ struct RecurrentPart {
 
 }  // namespace
 
-network::NetworkWeights randomWeights() {
-  network::NetworkWeights weights;
-  weights.heads = kHeads;
-  weights.window = kWindow;
-  weights.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "t_s"};
-  weights.feature_mean = Eigen::VectorXd::Zero(kInputs);
-  weights.feature_scale = Eigen::VectorXd::Ones(kInputs);
-  weights.output_mean = Eigen::VectorXd::Zero(kOutputs);
-  weights.output_scale = Eigen::VectorXd::Ones(kOutputs);
-  weights.lstm.resize(1);
-  std::uint32_t state = 1;
-  network::visitTensors(
-      weights,
-      {.inputs = kInputs, .hidden = kHidden, .layers = 1, .channels = kChannels, .outputs = kOutputs},
-      [&state](const std::string&, auto& tensor, Eigen::Index rows, Eigen::Index cols) {
-        const double bound = 1.0 / std::sqrt(static_cast<double>(cols == 1 ? kHidden : cols));
-        tensor.resize(rows, cols);
-        for (Eigen::Index i = 0; i < tensor.size(); ++i) {
-          state = state * 1664525U + 1013904223U;
-          tensor.data()[i] = static_cast<float>((static_cast<double>(state) * 0x1p-31 - 1.0) * bound);
-        }
-      });
-  return weights;
-}
-
 std::size_t bytesOfStep() {
   constexpr std::size_t kGates = 4 * kHidden;
   constexpr std::size_t kProjected = 2 * kChannels + kHeads * kOutputs;

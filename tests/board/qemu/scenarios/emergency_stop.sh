@@ -21,7 +21,7 @@ interrupts() {
 press() {
   start_rig vcan0
   {
-    sleep 3
+    sleep 1.7
     first_line=$(sed -n 's/^gpiochip0: GPIOs \([0-9]*\)-.*/\1/p' /sys/kernel/debug/gpio)
     cat /sys/kernel/debug/gpio
     highs=0 lows=0
@@ -32,11 +32,11 @@ press() {
     done
     echo "$highs $lows $(line 1) $(interrupts)" >/run/work/before
     echo "$1"
-    sleep 1.5
+    sleep 0.7
     echo "$(line 1) $(interrupts)" >/run/work/after
   } &
   watcher=$!
-  run_loop vcan0 5 --require-rt
+  run_loop vcan0 3 --require-rt
   wait "$watcher"
   read -r highs lows enable_before irq_before </run/work/before
   read -r enable_after irq_after </run/work/after

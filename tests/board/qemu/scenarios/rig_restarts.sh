@@ -6,13 +6,13 @@ make_vcan
 make_config </dev/null
 start_rig vcan0
 {
-  sleep 2.5
+  sleep 1.7
   kill -KILL "$rig_pid"
-  sleep 1
+  sleep 0.5
   sed -i 's/^enable_at_s.*/enable_at_s = 1.5\nreset_at_s = [0.8]/' "$config"
-  patella-rig --config "$config" can:vcan0 --duration 5 >"$PATELLA_ARTEFACTS/second_rig.txt" 2>&1
+  patella-rig --config "$config" can:vcan0 --duration 4 >"$PATELLA_ARTEFACTS/second_rig.txt" 2>&1
 } &
-run_loop vcan0 6.5 --require-rt
+run_loop vcan0 5 --require-rt
 kill %+ 2>/dev/null
 cat "$PATELLA_ARTEFACTS/second_rig.txt"
 expect "exit status of the loop" "$status" -eq 0

@@ -1,6 +1,6 @@
 # Loop and rig as two processes over vcan at 1 kHz, on a PREEMPT_RT kernel: nothing is lost, nothing overruns, and the
 # loop thread neither allocates nor faults a page. vcan.sh [SECONDS]
-# board: kernel=rt time=counted limit=900
+# board: kernel=rt time=counted limit=3000
 . "$PATELLA_SOURCE/tests/board/qemu/with_rig.sh"
 make_vcan
 make_config </dev/null

@@ -1,0 +1,44 @@
+// A distribution of wake-up latencies to the nanosecond, from the loop's recording or from cyclictest's
+// histogram.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string_view>
+
+namespace patella::bench {
+
+class Distribution {
+ public:
+  /// Counts up to and including `upper_us`.
+  void add(double upper_us, std::uint64_t count);
+  /// Raises the maximum without counting anything.
+  void sawMaximum(double maximum_us);
+  void merge(const Distribution& other);
+
+  std::uint64_t count() const noexcept { return count_; }
+  double maximum_us() const noexcept { return maximum_us_; }
+  /// Upper bound of the bucket that holds the fraction `quantile`, at most the maximum, µs; 0 when empty.
+  double quantile_us(double quantile) const;
+  /// Of count(), those only known to lie beyond what was counted one by one.
+  std::uint64_t beyond() const noexcept { return beyond_; }
+  const std::map<double, std::uint64_t>& buckets() const noexcept { return buckets_; }
+
+ private:
+  friend Distribution fromCyclictest(std::string_view text);
+  std::map<double, std::uint64_t> buckets_;  ///< by upper bound, µs
+  std::uint64_t count_ = 0;
+  std::uint64_t beyond_ = 0;
+  double maximum_us_ = 0.0;
+};
+
+/// Of single latencies, µs.
+Distribution ofLatencies(std::span<const double> latencies_us);
+
+/// Of what `cyclictest -q -N -h LIMIT` prints: lines "LATENCY COUNT" in nanoseconds, and comments. What lay
+/// beyond the limit is put at the maximum. Throws std::runtime_error naming the line that cannot be read, or
+/// when there is no count at all.
+Distribution fromCyclictest(std::string_view text);
+
+}  // namespace patella::bench

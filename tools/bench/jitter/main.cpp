@@ -1,0 +1,143 @@
+// patella-bench-jitter: the loop's wake-up latency beside cyclictest's, in turns, under the same priority.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "firmware_app/files/csv_table.hpp"
+#include "tools/bench/jitter/output.hpp"
+#include "tools/bench/jitter/process.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace patella::bench;
+
+struct Arguments {
+  fs::path loop = fs::exists(PATELLA_LOOP) ? PATELLA_LOOP : "patella";
+  fs::path config = fs::exists(PATELLA_CONFIG) ? PATELLA_CONFIG : "/etc/patella/rig.toml";
+  std::string backend = "sim";
+  double seconds = 10.0;
+  int rounds = 3;
+  int priority = 80;
+  int rate_Hz = 1000;
+  bool loaded = false;
+  fs::path out;
+};
+
+std::string contents(const fs::path& path) {
+  std::ifstream stream(path);
+  if (!stream) {
+    throw std::runtime_error("cannot read " + path.string());
+  }
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// The loop as it is shipped; its priority is the configuration's.
+Distribution runLoop(const Arguments& arguments, const fs::path& folder) {
+  const fs::path run = folder / "run";
+  fs::remove_all(run);
+  // On a machine that keeps it waiting too long the loop ends in a latched stop; it woke all the same.
+  constexpr int kLatchedStop = 3;
+  const int status = runProgram({arguments.loop.string(), "run", "--config", arguments.config.string(),
+                                 "--backend", arguments.backend, "--rate", std::to_string(arguments.rate_Hz),
+                                 "--duration", fmt::format("{}", arguments.seconds), "--out", run.string()},
+                                folder / "loop.txt", kLatchedStop);
+  if (status == kLatchedStop) {
+    fmt::print(stderr, "the loop ended in a latched stop\n");
+  }
+  const nlohmann::json summary = nlohmann::json::parse(contents(run / "summary.json"));
+  const int priority = summary.at("realtime").at("priority").get<int>();
+  if (priority != arguments.priority) {
+    throw std::runtime_error("the loop ran at priority " + std::to_string(priority) + ", expected " +
+                             std::to_string(arguments.priority) + " (realtime.priority in " +
+                             arguments.config.string() + ", rtprio limit)");
+  }
+  return ofLatencies(
+      patella::app::CsvTable::load(run / "ticks.csv", {.columns = {"wakeup_us"}}).column("wakeup_us"));
+}
+
+Distribution runCyclictest(const Arguments& arguments, const fs::path& folder) {
+  constexpr int kLongest_ns = 1'000'000;  // the most that it takes
+  const fs::path output = folder / "cyclictest.txt";
+  // -D takes whole seconds; -l counts wake-ups.
+  runProgram({"cyclictest", "-q", "-N", "-m", "-t", "1", "-p", std::to_string(arguments.priority), "-i",
+              std::to_string(1'000'000 / arguments.rate_Hz), "-h", std::to_string(kLongest_ns), "-l",
+              std::to_string(static_cast<long>(arguments.seconds * arguments.rate_Hz))},
+             output);
+  return fromCyclictest(contents(output));
+}
+
+Comparison compare(const Arguments& arguments, const std::string& condition) {
+  Comparison result{condition, {}, {}, {}};
+  std::optional<BackgroundProgram> load;
+  if (condition == "loaded") {
+    // Processors, memory, page cache, network loopback.
+    load.emplace(
+        std::vector<std::string>{"stress-ng", "--cpu", "0", "--vm", "1", "--vm-bytes", "128M", "--hdd", "1",
+                                 "--hdd-bytes", "64M", "--sock", "1", "--temp-path", arguments.out.string()},
+        arguments.out / "stress-ng.txt");
+  }
+  for (int round = 0; round < arguments.rounds; ++round) {
+    // Who goes first changes, so that neither profits from a machine that grows warmer or busier.
+    Distribution loop;
+    Distribution cyclictest;
+    for (const bool is_loop : {round % 2 == 0, round % 2 != 0}) {
+      (is_loop ? loop : cyclictest) =
+          is_loop ? runLoop(arguments, arguments.out) : runCyclictest(arguments, arguments.out);
+    }
+    result.turn_ratios.push_back(loop.quantile_us(0.999) / cyclictest.quantile_us(0.999));
+    result.loop.merge(loop);
+    result.cyclictest.merge(cyclictest);
+    fmt::print(stderr, "{}: round {} of {}\n", condition, round + 1, arguments.rounds);
+  }
+  return result;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  CLI::App app(
+      "Wake-up latency of the loop beside cyclictest's (package rt-tests), in turns and under the same "
+      "priority.",
+      "patella-bench-jitter");
+  Arguments arguments;
+  app.add_option("--loop", arguments.loop, "the program patella");
+  app.add_option("--config", arguments.config, "run configuration of the loop");
+  app.add_option("--backend", arguments.backend, "of the loop: sim, or can:INTERFACE");
+  app.add_option("--seconds", arguments.seconds, "of a turn")->check(CLI::Range(0.1, 86400.0));
+  app.add_option("--rounds", arguments.rounds, "turns of each program")->check(CLI::Range(1, 10000));
+  app.add_option("--priority", arguments.priority, "SCHED_FIFO; the configuration must say the same")
+      ->check(CLI::Range(1, 99));
+  app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")->check(CLI::Range(1, 20000));
+  app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
+  app.add_option("--out", arguments.out, "folder for jitter.csv, jitter.png and what the programs print")
+      ->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    fs::create_directories(arguments.out);
+    std::vector<Comparison> comparisons{compare(arguments, "idle")};
+    if (arguments.loaded) {
+      comparisons.push_back(compare(arguments, "loaded"));
+    }
+    fmt::print("{}", table(comparisons));
+    writeCsv(comparisons, arguments.out / "jitter.csv");
+    draw(comparisons, arguments.out / "jitter.png");
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "patella-bench-jitter: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,100 @@
+#include "tools/bench/jitter/output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "tools/report/gnuplot.hpp"
+
+namespace patella::bench {
+namespace {
+
+constexpr std::array kQuantiles{0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999};
+
+std::string row(const std::string& condition, const char* program, const Distribution& distribution) {
+  std::string text = fmt::format("{:<8} {:<11}{:>10}", condition, program, distribution.count());
+  for (const double quantile : kQuantiles) {
+    // A quantile that no wake-up lies above is the maximum.
+    const bool known = std::round((1.0 - quantile) * static_cast<double>(distribution.count())) >= 1.0;
+    text += known ? fmt::format("{:>9.1f}", distribution.quantile_us(quantile)) : fmt::format("{:>9}", "-");
+  }
+  return text + fmt::format("{:>10.1f}\n", distribution.maximum_us());
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+report::Series laterThan(const Distribution& distribution, const char* label, const char* colour) {
+  report::Series series;
+  series.label = label;
+  series.colour = colour;
+  series.steps = true;
+  std::uint64_t seen = 0;
+  for (const auto& [upper_us, count] : distribution.buckets()) {
+    seen += count;
+    if (seen < distribution.count()) {
+      series.x.push_back(upper_us);
+      series.y.push_back(static_cast<double>(distribution.count() - seen) /
+                         static_cast<double>(distribution.count()));
+    }
+  }
+  return series;
+}
+
+}  // namespace
+
+std::string table(const std::vector<Comparison>& comparisons) {
+  std::string text = fmt::format("{:<8} {:<11}{:>10}", "wake-up", "latency, µs", "count");
+  for (const char* name : {"p50", "p90", "p99", "p99.9", "p99.99", "p99.999"}) {
+    text += fmt::format("{:>9}", name);
+  }
+  text += fmt::format("{:>10}\n", "max");
+  for (const Comparison& one : comparisons) {
+    text += row(one.condition, "loop", one.loop) + row(one.condition, "cyclictest", one.cyclictest);
+    if (one.cyclictest.beyond() > 0) {
+      text += fmt::format("{:<8} {} of cyclictest's beyond 1 ms, counted at the maximum\n", one.condition,
+                          one.cyclictest.beyond());
+    }
+    text += fmt::format("{:<8} loop's p99.9 is {:.2f} times cyclictest's; median of {} turns {:.2f}\n",
+                        one.condition, one.loop.quantile_us(0.999) / one.cyclictest.quantile_us(0.999),
+                        one.turn_ratios.size(), median(one.turn_ratios));
+  }
+  return text;
+}
+
+void draw(const std::vector<Comparison>& comparisons, const std::filesystem::path& picture) {
+  std::vector<report::Figure> figures;
+  for (const Comparison& one : comparisons) {
+    report::Figure figure;
+    figure.title = one.condition;
+    figure.x_label = "latency / µs";
+    figure.y_label = "fraction of wake-ups later";
+    figure.log_x = true;
+    figure.log_y = true;
+    figure.series = {laterThan(one.loop, "loop", "#0072B2"),
+                     laterThan(one.cyclictest, "cyclictest", "#D55E00")};
+    figures.push_back(std::move(figure));
+  }
+  report::drawPng(figures, "Wake-up latency of the loop beside cyclictest's, same run and priority", picture);
+}
+
+void writeCsv(const std::vector<Comparison>& comparisons, const std::filesystem::path& path) {
+  std::string text = "condition,program,upper_us,count\n";
+  for (const Comparison& one : comparisons) {
+    for (const auto& [program, distribution] :
+         {std::pair{"loop", &one.loop}, std::pair{"cyclictest", &one.cyclictest}}) {
+      for (const auto& [upper_us, count] : distribution->buckets()) {
+        text += fmt::format("{},{},{:.3f},{}\n", one.condition, program, upper_us, count);
+      }
+    }
+  }
+  app::writeFile(path, text);
+}
+
+}  // namespace patella::bench
