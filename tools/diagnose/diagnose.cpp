@@ -103,8 +103,8 @@ class Procedure {
     }
     report("unexplained", 0.0);
     const DependenceTest dependence =
-        testDependence(*train_, last.selection.fit, channels_, 2 * options_.bootstrap_replicates,
-                       options_.family_wise_p, options_.seed + 104729);
+        testDependence(*train_, last.fitter->onWholeTorque(last.selection.fit), channels_,
+                       2 * options_.bootstrap_replicates, options_.family_wise_p, options_.seed + 104729);
     decide(*last.fitter, first.nominal, last.selection, dependence);
     compareRecordings(last.selection.fit);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);
@@ -397,8 +397,9 @@ class Procedure {
     result_.refitted = errorMeasure(*train_, heldout_, first.fitter->describe(first.nominal));
     result_.after = errorMeasure(*train_, heldout_, result_.extended);
     keepOnlyWhatHolds();
+    const Eigen::VectorXd noise = last.fitter->onWholeTorque(selection.fit).residual;
     for (int joint = 0; joint < train_->joints(); ++joint) {
-      result_.noise_floor_Nm.push_back(jointRms(*train_, selection.fit.residual, joint));
+      result_.noise_floor_Nm.push_back(jointRms(*train_, noise, joint));
     }
     compareParts();
     addCurves();

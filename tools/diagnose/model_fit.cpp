@@ -371,6 +371,19 @@ ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
   return fit;
 }
 
+ModelFit ModelFitter::onWholeTorque(ModelFit fit) {
+  for (Term& term : fit.terms) {
+    if (term.recipe->by_asked_torque) {
+      Recipe whole = *term.recipe;
+      whole.by_asked_torque = false;
+      whole.variant += " on the whole torque";
+      term.recipe = std::make_shared<const Recipe>(std::move(whole));
+    }
+  }
+  linearise(fit);
+  return fit;
+}
+
 Eigen::VectorXd ModelFitter::torque(const Term& term) {
   return weighted(basis(*term.recipe, term.nu), term.c);
 }

@@ -71,6 +71,11 @@ class ModelFitter {
   /// Fits the terms anew from their present values.
   ModelFit fit(ModelFit start, const Weighting& weighting);
 
+  /// The same fit with effects that were fitted to the torque that the motion asked for
+  /// (Recipe::by_asked_torque) acting on the whole torque, as they do in the machine: what is left then is
+  /// what nothing explains.
+  ModelFit onWholeTorque(ModelFit fit);
+
   /// Basis of a recipe as Columns.
   Eigen::MatrixXd basis(const Recipe& recipe, std::span<const double> nu);
   /// What the files call this fit.
