@@ -337,6 +337,7 @@ class Selector {
       });
       std::vector<std::string> rivals;
       fitBest(smaller, candidates);
+      const Candidate* simpler = nullptr;
       const Candidate* wider = nullptr;
       for (std::size_t i = 0; i < candidates.size(); ++i) {
         const std::string& label = candidates[i].atom->label;
@@ -346,16 +347,16 @@ class Selector {
             !decidedByNesting(candidates[i], smaller, t) &&
             std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
           rivals.push_back(label);
-        } else if (candidates[i].fit && isNearlyAll(candidates[i], smaller, t) &&
-                   std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
-          rivals.push_back(label);
+        } else if (candidates[i].fit && isNearlyAll(candidates[i], smaller, t)) {
+          simpler = &candidates[i];
         } else if (candidates[i].fit && rivals.empty() && notExcluded(candidates[i], t) &&
                    (wider == nullptr || predicts(candidates[i]) > predicts(*wider))) {
           wider = &candidates[i];
         }
       }
-      if (rivals.empty() && wider != nullptr) {
-        rivals.push_back(wider->atom->label);
+      const Candidate* other = simpler != nullptr ? simpler : wider;
+      if (rivals.empty() && other != nullptr) {
+        rivals.push_back(other->atom->label);
       }
       result_.evidence[t].rivals = std::move(rivals);
     }
