@@ -13,13 +13,14 @@
 # (build/board/runs/NAME) then holds serial.log, kernel.log and whatever the scenario left in $PATELLA_ARTEFACTS.
 #
 # Environment: PATELLA_BIN_DIR      arm64 build tree; without it, build/arm64 is brought up to date first
+#              PATELLA_LIBRARIES    folders of the arm64 libraries that it was linked to (those of the host)
 #              PATELLA_BOARD_CACHE  where packages and images are kept (build/board)
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
 . "$here/libraries.sh"
 
-usage() { sed -n '2,18s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+usage() { sed -n '2,19s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 unavailable() {
   echo "==================================================================" >&2
   echo "SKIPPED, NOT tested on the emulated board: $*" >&2
@@ -67,7 +68,7 @@ image=$(PATELLA_BOARD_CACHE=$cache "$here/image.sh" "$kernel") || status=$?
 if [ -z "${PATELLA_BIN_DIR:-}" ]; then
   PATELLA_BIN_DIR=$source_dir/build/arm64
   (cd "$source_dir" && { [ -f build/arm64/build.ninja ] || cmake --preset arm64 >&2; } &&
-    cmake --build --preset arm64 --target patella patella-rig patella_board_host_call "${programs[@]##*/}" >&2)
+    cmake --build --preset arm64 --target patella patella-rig patella_board_{host_call,never_idle} "${programs[@]##*/}" >&2)
 fi
 
 # What this run adds to the image.
@@ -75,14 +76,17 @@ work=$(mktemp -d "$cache/run.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 root=$work/root
 mkdir -p "$root/job" "$root/usr/local/bin" "$root/opt/patella" "$work/console"
-for program in firmware_app/patella firmware_app/patella-rig tools/board/host_call "${programs[@]}"; do
+for program in firmware_app/patella{,-rig} tools/board/{host_call,never_idle} "${programs[@]}"; do
   aarch64-linux-gnu-strip -o "$root/usr/local/bin/${program##*/}" "$PATELLA_BIN_DIR/$program"
 done
-copy_libraries "$root" /usr/lib/aarch64-linux-gnu /usr/aarch64-linux-gnu/lib
+read -ra libraries <<<"${PATELLA_LIBRARIES:-/usr/lib/aarch64-linux-gnu /usr/aarch64-linux-gnu/lib}"
+copy_libraries "$root" "${libraries[@]}"
 (cd "$source_dir" && cp -r --parents firmware_app/config drivers/can/*.dbc tests/board/qemu "$root/opt/patella/")
 cp "$scenario" "$root/job/scenario"
 {
   echo "export PATELLA_SOURCE=/opt/patella"
+  # With two processors the other one waits for this one's instructions.
+  [ "$time$isolated" != countedno ] || echo "never_idle &"
   printf 'set --'
   [ $# -eq 0 ] || printf " '%s'" "${@//\'/\'\\\'\'}"
   echo

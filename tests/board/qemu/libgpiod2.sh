@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# The loop with libgpiod 2 on the board's lines: cross-built in a Debian 13, whose library that is, and run in the
+# scenario of the emergency stop.
+#
+#   tests/board/qemu/libgpiod2.sh [--artefacts DIR] [SCENARIO]
+#
+# Needs root and debootstrap; the Debian 13 is kept in build/board/trixie (PATELLA_BOARD_CACHE), some 2 GB. Exit status: the
+# scenario's; 77 where a Debian 13 or the board cannot be had.
+set -euo pipefail
+source_dir=$(cd "$(dirname "$0")/../../.." && pwd)
+cache=${PATELLA_BOARD_CACHE:-$source_dir/build/board}
+mkdir -p "$cache"
+cache=$(cd "$cache" && pwd)
+root=$cache/trixie
+artefacts=$cache/runs/libgpiod2
+if [ "${1:-}" = --artefacts ]; then
+  artefacts=${2:?"--artefacts DIR"}
+  shift 2
+fi
+scenario=${1:-emergency_stop}
+
+unavailable() {
+  echo "==================================================================" >&2
+  echo "SKIPPED, libgpiod 2 was NOT tested: $*" >&2
+  echo "==================================================================" >&2
+  exit 77
+}
+[ "$(id -u)" -eq 0 ] || unavailable "needs root"
+command -v debootstrap >/dev/null || unavailable "no debootstrap (package debootstrap)"
+
+exec 8>"$cache/trixie.lock"
+flock 8
+if [ ! -e "$root.complete" ]; then
+  rm -rf --one-file-system "$root"
+  debootstrap --variant=minbase trixie "$root" >"$root.log" 2>&1 || unavailable "debootstrap failed, see $root.log"
+  touch "$root.complete"
+fi
+clean() {
+  umount "$root/source" "$root/proc" 2>/dev/null || true
+}
+trap clean EXIT
+clean
+mkdir -p "$root/source" "$root/build"
+mount -t proc proc "$root/proc" || unavailable "cannot mount /proc in the new system"
+mount --bind "$source_dir" "$root/source"
+mount -o remount,bind,ro "$root/source"
+inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 CCACHE_DIR=/build/ccache "$@"; }
+
+echo "== Debian 13: packages"
+inside /source/tools/setup.sh || unavailable "its packages cannot be had"
+inside /source/tools/setup.sh --cross || unavailable "its packages for arm64 cannot be had"
+echo "== Debian 13: cross build"
+inside cmake -S /source -B /build/arm64 -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPATELLA_TOOLS=OFF \
+  -DCMAKE_TOOLCHAIN_FILE=/source/tools/cmake/aarch64-linux-gnu.cmake >"$root.configure.log" 2>&1 ||
+  { cat "$root.configure.log"; exit 1; }
+inside cmake --build /build/arm64 \
+  --target patella patella-rig gpiod_pins_test patella_board_host_call patella_board_never_idle
+for program in patella patella-rig; do
+  readelf -d "$root/build/arm64/firmware_app/$program" | grep -q 'NEEDED.*libgpiod\.so\.3' ||
+    { echo "FAILED: $program is not linked to libgpiod.so.3, expected libgpiod 2"; exit 1; }
+done
+echo "== Debian 13: cases of gpiod_pins_test under user emulation"
+inside ctest --test-dir /build/arm64 -R '^gpiod_pins_test$' --no-tests=error --output-on-failure
+
+echo "== the board, with libgpiod $(inside dpkg-query -W -f '${Version}' libgpiod3:arm64)"
+PATELLA_BIN_DIR=$root/build/arm64 PATELLA_LIBRARIES="$root/usr/lib/aarch64-linux-gnu $root/usr/aarch64-linux-gnu/lib" \
+  "$source_dir/tools/board/run.sh" "$scenario" --artefacts "$artefacts"
