@@ -59,6 +59,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   addCommon(run, line);
   run.add_option("--duration", line.duration_s, "seconds; 0 runs until Ctrl-C or the end of the log");
   run.add_option("--rate", line.rate_Hz, "ticks a second");
+  run.add_option("--cpus", line.cpus, "processors to bind the loop to, as 2,3; wins over the configuration")
+      ->delimiter(',')
+      ->check(CLI::Range(0, patella::app::RealtimeOptions::kMaxCpu));
   run.add_option("--clock", line.clock,
                  "monotonic, or virtual: as fast as the machine allows, repeatable to the bit");
   run.add_option("--seed", line.seed, "of the simulated rig")->check(CLI::NonNegativeNumber);

@@ -148,6 +148,9 @@ std::string heading(const std::vector<InputFile>& files) {
 
 RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                   const std::atomic<bool>& stop) {
+  if (config.clock == ClockKind::kMonotonic) {
+    keepOff(config.realtime.cpus);
+  }
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
   can::MeasurementDecoder decoder = makeDecoder(config);

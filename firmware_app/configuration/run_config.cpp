@@ -15,7 +15,6 @@ namespace {
 
 constexpr Range kRate{.minimum = 50.0, .maximum = 20000.0};
 constexpr Range kDuration{.minimum = 0.0, .maximum = 1e7};
-constexpr int kMaxCpu = 1023;
 
 void readLoop(const TomlTable& table, RunConfig& config) {
   config.loop.rate_Hz = table.number("rate_Hz", kRate, config.loop.rate_Hz);
@@ -42,8 +41,8 @@ void readRealtime(const TomlTable& table, RunConfig& config) {
   RealtimeOptions& r = config.realtime;
   r.priority = static_cast<int>(table.integer("priority", 0, 99, r.priority));
   const std::vector<double> none;
-  for (const double cpu :
-       table.numbers("cpus", CountRange{0, kMaxCpu + 1}, Range{.minimum = 0.0, .maximum = kMaxCpu}, none)) {
+  for (const double cpu : table.numbers("cpus", CountRange{0, RealtimeOptions::kMaxCpu + 1},
+                                        Range{.minimum = 0.0, .maximum = RealtimeOptions::kMaxCpu}, none)) {
     if (cpu != std::floor(cpu)) {
       throw table.error("cpus", "value " + formatNumber(cpu) + ", expected whole numbers of processors");
     }
@@ -107,6 +106,9 @@ void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
                                   ", expected a rate in Hz " + kRate.text());
     }
     config.loop.rate_Hz = *command_line.rate_Hz;
+  }
+  if (!command_line.cpus.empty()) {
+    config.realtime.cpus = command_line.cpus;
   }
   config.realtime.require_rt = command_line.require_rt;
 }

@@ -47,6 +47,7 @@ struct CommandLine {
   std::optional<std::string> clock;
   std::optional<double> duration_s;
   std::optional<double> rate_Hz;
+  std::vector<int> cpus;  ///< empty: the configuration's
   std::optional<std::filesystem::path> weights;
   std::optional<std::filesystem::path> model;
   std::optional<std::filesystem::path> rig_model;

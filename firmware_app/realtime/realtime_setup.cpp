@@ -170,6 +170,20 @@ std::vector<Finding> judge(const RealtimeReport& report, const RealtimeOptions& 
 
 }  // namespace
 
+void keepOff(const std::vector<int>& cpus) noexcept {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (cpus.empty() || pthread_getaffinity_np(pthread_self(), sizeof set, &set) != 0) {
+    return;
+  }
+  for (const int cpu : cpus) {
+    CPU_CLR(cpu, &set);
+  }
+  if (CPU_COUNT(&set) > 0) {
+    pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+  }
+}
+
 RealtimeSetup::RealtimeSetup(const RealtimeOptions& options, const HostFiles& host) {
   checkOptions(options);
   apply(options, host);

@@ -11,6 +11,7 @@
 namespace patella::app {
 
 struct RealtimeOptions {
+  static constexpr int kMaxCpu = 1023;                 ///< CPU_SETSIZE − 1
   int priority = 80;                                   ///< SCHED_FIFO 1..99; 0 leaves the scheduling alone
   std::vector<int> cpus;                               ///< processors to bind the thread to; empty: any
   bool lock_memory = true;                             ///< mlockall(2), present and future pages
@@ -19,6 +20,10 @@ struct RealtimeOptions {
   int cpu_dma_latency_us = 0;  ///< wake-up latency asked of idle processors; -1: do not ask
   bool require_rt = false;     ///< refuse to run when anything required is missing
 };
+
+/// Binds the calling thread, and with it those that it will start, to processors other than these, where
+/// there are others that it may use: what writes files or shows progress would make the loop wait there.
+void keepOff(const std::vector<int>& cpus) noexcept;
 
 /// What was achieved, read back from the kernel.
 struct RealtimeReport {

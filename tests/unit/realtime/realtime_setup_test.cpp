@@ -106,6 +106,35 @@ TEST_CASE("the thread is bound to the processors asked for") {
   });
 }
 
+std::vector<int> allowedCpus() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  REQUIRE(sched_getaffinity(0, sizeof set, &set) == 0);
+  std::vector<int> cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) {
+      cpus.push_back(cpu);
+    }
+  }
+  return cpus;
+}
+
+TEST_CASE("threads beside the loop keep off its processors, where there are others") {
+  onOwnThread([] {
+    const std::vector<int> before = allowedCpus();
+    keepOff({});
+    CHECK(allowedCpus() == before);
+    keepOff(before);
+    CHECK(allowedCpus() == before);
+    if (before.size() > 1) {
+      keepOff({before.front()});
+      CHECK(allowedCpus() == std::vector<int>(before.begin() + 1, before.end()));
+    } else {
+      WARN_MESSAGE(before.size() > 1, "one processor: that others are kept off it cannot be seen here");
+    }
+  });
+}
+
 TEST_CASE("a processor that does not exist leaves a finding") {
   onOwnThread([] {
     RealtimeOptions options = quiet();

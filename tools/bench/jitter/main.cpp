@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,7 @@ struct Arguments {
   int rounds = 3;
   int priority = 80;
   int rate_Hz = 1000;
+  std::string cpus;
   bool loaded = false;
   fs::path out;
 };
@@ -47,10 +49,22 @@ Distribution runLoop(const Arguments& arguments, const fs::path& folder) {
   fs::remove_all(run);
   // On a machine that keeps it waiting too long the loop ends in a latched stop; it woke all the same.
   constexpr int kLatchedStop = 3;
-  const int status = runProgram({arguments.loop.string(), "run", "--config", arguments.config.string(),
-                                 "--backend", arguments.backend, "--rate", std::to_string(arguments.rate_Hz),
-                                 "--duration", fmt::format("{}", arguments.seconds), "--out", run.string()},
-                                folder / "loop.txt", kLatchedStop);
+  std::vector<std::string> command{arguments.loop.string(),
+                                   "run",
+                                   "--config",
+                                   arguments.config.string(),
+                                   "--backend",
+                                   arguments.backend,
+                                   "--rate",
+                                   std::to_string(arguments.rate_Hz),
+                                   "--duration",
+                                   fmt::format("{}", arguments.seconds),
+                                   "--out",
+                                   run.string()};
+  if (!arguments.cpus.empty()) {
+    command.insert(command.end(), {"--cpus", arguments.cpus});
+  }
+  const int status = runProgram(command, folder / "loop.txt", kLatchedStop);
   if (status == kLatchedStop) {
     fmt::print(stderr, "the loop ended in a latched stop\n");
   }
@@ -69,10 +83,18 @@ Distribution runCyclictest(const Arguments& arguments, const fs::path& folder) {
   constexpr int kLongest_ns = 1'000'000;  // the most that it takes
   const fs::path output = folder / "cyclictest.txt";
   // -D takes whole seconds; -l counts wake-ups.
-  runProgram({"cyclictest", "-q", "-N", "-m", "-t", "1", "-p", std::to_string(arguments.priority), "-i",
-              std::to_string(1'000'000 / arguments.rate_Hz), "-h", std::to_string(kLongest_ns), "-l",
-              std::to_string(static_cast<long>(arguments.seconds * arguments.rate_Hz))},
-             output);
+  std::vector<std::string> command{
+      "cyclictest", "-q",
+      "-N",         "-m",
+      "-t",         "1",
+      "-p",         std::to_string(arguments.priority),
+      "-i",         std::to_string(1'000'000 / arguments.rate_Hz),
+      "-h",         std::to_string(kLongest_ns),
+      "-l",         std::to_string(static_cast<long>(arguments.seconds * arguments.rate_Hz))};
+  if (!arguments.cpus.empty()) {
+    command.insert(command.end(), {"-a", arguments.cpus});
+  }
+  runProgram(command, output);
   return fromCyclictest(contents(output));
 }
 
@@ -117,6 +139,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--rounds", arguments.rounds, "turns of each program")->check(CLI::Range(1, 10000));
   app.add_option("--priority", arguments.priority, "SCHED_FIFO; the configuration must say the same")
       ->check(CLI::Range(1, 99));
+  app.add_option("--cpus", arguments.cpus, "processors that both are bound to, as 2,3; empty: any");
   app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")->check(CLI::Range(1, 20000));
   app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
   app.add_option("--out", arguments.out, "folder for jitter.csv, jitter.png and what the programs print")

@@ -19,7 +19,8 @@ a simulated rig, which is not counted. The whole workload has a network (LSTM 12
 weights), the sampler, a Kalman observer beside it and five effects in the model; then each of these grows alone.
 
 Ticks follow one another as fast as they can, the recorder waiting for its disk; with --real-time they come when the
-clock says so, at real-time priority, as in use.)";
+clock says so, at real-time priority, as in use. --rates then shows which of them are held: runs of --seconds each, in
+turns, and how many of their ticks ended after the next one was due.)";
 
 struct Arguments {
   std::filesystem::path config =
@@ -28,8 +29,37 @@ struct Arguments {
   double seconds = 4.0;
   double rate_Hz = 1000.0;
   bool whole_only = false;
+  std::vector<double> rates_Hz;
+  int rounds = 5;
   Pace pace;
 };
+
+constexpr std::uint64_t kWarmup = 500;
+
+std::vector<RateResult> holdRates(const Arguments& arguments, const Counter& counter) {
+  std::vector<RateResult> results;
+  for (const double rate_Hz : arguments.rates_Hz) {
+    results.emplace_back().rate_Hz = rate_Hz;
+  }
+  for (int round = 1; round <= arguments.rounds; ++round) {
+    for (RateResult& result : results) {
+      Workload workload;
+      workload.rate_Hz = result.rate_Hz;
+      workload.seconds = arguments.seconds;
+      StageMeter meter(counter, kWarmup);
+      const auto counted = runWorkload(arguments.config, workload, arguments.pace, meter);
+      ++result.runs;
+      result.runs_without_overrun += counted.overruns == 0 ? 1 : 0;
+      result.ticks += counted.ticks;
+      result.overruns += counted.overruns;
+      result.missed_periods += counted.missed_periods;
+      result.tick_p999_ns.push_back(static_cast<double>(meter.ofTick().quantile(0.999)));
+      fmt::print(stderr, "round {} of {}, {:g} Hz: {} overruns\n", round, arguments.rounds, result.rate_Hz,
+                 counted.overruns);
+    }
+  }
+  return results;
+}
 
 std::vector<Workload> growth(const Workload& whole) {
   std::vector<Workload> workloads;
@@ -60,7 +90,10 @@ std::vector<Workload> growth(const Workload& whole) {
 void run(const Arguments& arguments) {
   const Unit unit = arguments.unit == "time" ? Unit::kNanoseconds : Unit::kInstructions;
   const Counter counter(unit);
-  constexpr std::uint64_t kWarmup = 500;
+  if (!arguments.rates_Hz.empty()) {
+    fmt::print("{}", rateTable(holdRates(arguments, counter)));
+    return;
+  }
   Workload whole;
   whole.name = fmt::format("network, sampler, Kalman observer, five effects, {:g} Hz", arguments.rate_Hz);
   whole.seconds = arguments.seconds;
@@ -96,6 +129,14 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->capture_default_str();
   app.add_flag("--whole", arguments.whole_only, "leave out how it grows");
   CLI::Option* real_time = app.add_flag("--real-time", arguments.pace.real_time, "ticks when they are due");
+  app.add_option("--rates", arguments.rates_Hz,
+                 "only whether the loop keeps up at these, of the whole workload")
+      ->delimiter(',')
+      ->check(CLI::Range(100.0, 20000.0))
+      ->needs(real_time);
+  app.add_option("--rounds", arguments.rounds, "with --rates: runs at each")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   app.add_option("--can", arguments.pace.interface, "interface at which patella-rig is running")
       ->needs(real_time);
   app.add_option("--priority", arguments.pace.priority, "with --real-time: SCHED_FIFO, 0: none")

@@ -1,5 +1,7 @@
 #include "tools/bench/tick/table.hpp"
 
+#include <algorithm>
+
 #include <spdlog/fmt/fmt.h>
 
 namespace patella::bench {
@@ -69,6 +71,21 @@ std::string growthRow(const Workload& workload, const StageMeter& meter, Unit un
     text += number(typical(meter, static_cast<tick::Stage>(i), unit), unit, 10);
   }
   return text + number(typicalOfTick(meter, unit), unit, 10) + "\n";
+}
+
+std::string rateTable(const std::vector<RateResult>& results) {
+  std::string text = fmt::format("{:>8}{:>20}{:>10}{:>10}{:>16}{:>22}{:>12}\n", "rate, Hz", "without overrun",
+                                 "ticks", "overruns", "missed periods", "p99.9, µs, median", "of period");
+  for (const RateResult& result : results) {
+    std::vector<double> p999 = result.tick_p999_ns;
+    const auto middle = p999.begin() + static_cast<std::ptrdiff_t>(p999.size() / 2);
+    std::nth_element(p999.begin(), middle, p999.end());
+    text += fmt::format("{:>8.0f}{:>20}{:>10}{:>10}{:>16}{:>21.1f}{:>10.1f} %\n", result.rate_Hz,
+                        fmt::format("{} of {} runs", result.runs_without_overrun, result.runs), result.ticks,
+                        result.overruns, result.missed_periods, 1e-3 * *middle,
+                        100.0 * *middle * 1e-9 * result.rate_Hz);
+  }
+  return text;
 }
 
 }  // namespace patella::bench

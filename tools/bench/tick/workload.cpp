@@ -151,8 +151,8 @@ class TemporaryFolder {
 
 }  // namespace
 
-void runWorkload(const std::filesystem::path& path, const Workload& workload, const Pace& pace,
-                 StageMeter& meter) {
+app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workload& workload, const Pace& pace,
+                                StageMeter& meter) {
   app::CommandLine command_line;
   command_line.config = path;
   command_line.rate_Hz = workload.rate_Hz;
@@ -195,6 +195,7 @@ void runWorkload(const std::filesystem::path& path, const Workload& workload, co
   } else {
     loop.run(stop);
   }
+  return loop.statistics();
 }
 
 }  // namespace patella::bench

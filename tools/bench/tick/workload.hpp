@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "firmware_app/loop/loop.hpp"
 #include "tools/bench/tick/stage_meter.hpp"
 
 namespace patella::bench {
@@ -26,8 +27,9 @@ struct Pace {
 };
 
 /// Runs the loop with the configuration and the recorder of `patella run`, the recording in a folder that is
-/// removed again. Throws what loading the configuration, CAN or the real-time set-up throw.
-void runWorkload(const std::filesystem::path& config, const Workload& workload, const Pace& pace,
-                 StageMeter& meter);
+/// removed again. Returns what the loop counted. Throws what loading the configuration, CAN or the real-time
+/// set-up throw.
+app::LoopStatistics runWorkload(const std::filesystem::path& config, const Workload& workload,
+                                const Pace& pace, StageMeter& meter);
 
 }  // namespace patella::bench

@@ -13,7 +13,7 @@ int main() {
     return 1;
   }
   for (;;) {
-    // As many instructions as QEMU takes in one go: what is counted is the instruction, what costs is the jump.
+    // As many instructions as QEMU takes in one go: each counts, only the jump costs much.
     asm volatile(
         ".rept 500\n"
         "nop\n"
