@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Boots the emulated board with this project's programs, runs a scenario on it and shows its console meanwhile.
 #
-#   tools/board/run.sh SCENARIO [--artefacts DIR] [--kernel rt|plain] [--limit SECONDS] [-- ARGUMENT...]
+#   tools/board/run.sh SCENARIO [--artefacts DIR] [--kernel rt|plain] [--limit SECONDS] [--add DIR] [-- ARGUMENT...]
 #
 # SCENARIO is a shell script, or the name of one in tests/board/qemu/scenarios. Lines in it that begin with "# board:"
 # say what it needs: kernel=rt|plain, time=counted|wall, can=CONTROLLERS, isolated=yes (a second processor, kept for
-# the loop as docs/rig.md has it), limit=SECONDS, program=PATH in the build tree.
+# the loop as docs/rig.md has it), memory=MB, limit=SECONDS, program=PATH in the build tree. --add puts the files below
+# DIR into the board's root.
 # Counted time (the default) passes with the instructions executed, whatever else the host does: a run repeats exactly.
 # Wall time is the host's.
 #
@@ -20,7 +21,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
 . "$here/libraries.sh"
 
-usage() { sed -n '2,19s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+usage() { sed -n '2,20s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 unavailable() {
   echo "==================================================================" >&2
   echo "SKIPPED, NOT tested on the emulated board: $*" >&2
@@ -36,17 +37,17 @@ scenario=$1; shift
 name=$(basename "$scenario" .sh)
 
 # What the scenario needs, then what the command line says.
-kernel=rt time=counted can=0 isolated=no limit=150 programs=() artefacts=
+kernel=rt time=counted can=0 isolated=no memory=512 limit=150 programs=() artefacts= add=
 for need in $(sed -n 's/^# board://p' "$scenario"); do
   case $need in
-    kernel=* | time=* | can=* | isolated=* | limit=*) declare "$need" ;;
+    kernel=* | time=* | can=* | isolated=* | memory=* | limit=*) declare "$need" ;;
     program=*) programs+=("${need#program=}") ;;
     *) echo "run.sh: $scenario: unknown need '$need'" >&2; exit 2 ;;
   esac
 done
 while [ $# -gt 0 ]; do
   case $1 in
-    --artefacts | --kernel | --limit) [ $# -ge 2 ] || usage; declare "${1#--}=$2"; shift 2 ;;
+    --artefacts | --kernel | --limit | --add) [ $# -ge 2 ] || usage; declare "${1#--}=$2"; shift 2 ;;
     --) shift; break ;;
     *) usage ;;
   esac
@@ -93,6 +94,12 @@ cp "$scenario" "$root/job/scenario"
 } >"$root/job/settings"
 make_cpio "$root" "$work/job.cpio.gz"
 cat "$image/base.cpio.gz" "$work/job.cpio.gz" >"$work/initramfs"
+if [ -n "$add" ]; then
+  cp -a "$add" "$work/add"
+  make_cpio "$work/add" "$work/add.cpio.gz"
+  cat "$work/add.cpio.gz" >>"$work/initramfs"
+  rm -rf "$work/add" "$work/add.cpio.gz"
+fi
 
 append="console=ttyAMA0 nokaslr norandmaps quiet panic=-1 rdinit=/init"
 processors=1
@@ -100,7 +107,7 @@ if [ "$isolated" = yes ]; then
   processors=2
   append+=" isolcpus=managed_irq,domain,1 nohz_full=1 rcu_nocbs=1 irqaffinity=0"
 fi
-qemu=(qemu-system-aarch64 -M virt,dtb-randomness=off -cpu cortex-a72 -smp "$processors" -m 512 -nodefaults -display none -no-reboot
+qemu=(qemu-system-aarch64 -M virt,dtb-randomness=off -cpu cortex-a72 -smp "$processors" -m "$memory" -nodefaults -display none -no-reboot
   -kernel "$image/vmlinuz" -initrd "$work/initramfs"
   -append "$append"
   -chardev stdio,id=console,signal=off -serial chardev:console
