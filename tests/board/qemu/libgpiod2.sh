@@ -55,10 +55,8 @@ inside cmake -S /source -B /build/arm64 -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebIn
   { cat "$root.configure.log"; exit 1; }
 inside cmake --build /build/arm64 \
   --target patella patella-rig gpiod_pins_test patella_board_host_call patella_board_never_idle
-for program in patella patella-rig; do
-  readelf -d "$root/build/arm64/firmware_app/$program" | grep -q 'NEEDED.*libgpiod\.so\.3' ||
-    { echo "FAILED: $program is not linked to libgpiod.so.3, expected libgpiod 2"; exit 1; }
-done
+readelf -d "$root/build/arm64/firmware_app/patella" | grep -q 'NEEDED.*libgpiod\.so\.3' ||
+  { echo "FAILED: patella is not linked to libgpiod.so.3, expected libgpiod 2"; exit 1; }
 echo "== Debian 13: cases of gpiod_pins_test under user emulation"
 inside ctest --test-dir /build/arm64 -R '^gpiod_pins_test$' --no-tests=error --output-on-failure
 

@@ -38,9 +38,9 @@ make_config() {
   cat >>"$config"
 }
 
-# start_rig INTERFACE
+# start_rig INTERFACE: with $rig_config, where the loop's is not for it.
 start_rig() {
-  patella-rig --config "$config" "can:$1" >"$PATELLA_ARTEFACTS/rig.txt" 2>&1 &
+  patella-rig --config "${rig_config:-$config}" "can:$1" >"$PATELLA_ARTEFACTS/rig.txt" 2>&1 &
   rig_pid=$!
   sleep 0.5
   kill -0 "$rig_pid" || { cat "$PATELLA_ARTEFACTS/rig.txt"; fail "the rig did not start"; finish; }
