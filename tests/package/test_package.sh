@@ -53,6 +53,12 @@ system() {
   cp "$here/within.sh" "$root$inside/"
 }
 
+# The package of that name, or the first that provides it: debootstrap knows only packages.
+provider() {
+  [ -n "$(apt-cache show "$1" 2>/dev/null)" ] && echo "$1" ||
+    apt-cache showpkg "$1" | awk '/^Reverse Provides/ { found = 1; next } found { sub(/:.*/, "", $1); print $1; exit }'
+}
+
 inside=
 if [ "$architecture" = "$(dpkg --print-architecture)" ]; then
   system "$suite-$architecture"
@@ -61,7 +67,8 @@ if [ "$architecture" = "$(dpkg --print-architecture)" ]; then
 elif [ "$architecture" = arm64 ]; then
   # Unpacked here, with what the package depends on, and configured on the board.
   inside=/debian
-  needed=$(dpkg-deb -f "$package" Depends | sed 's/ *([^)]*)//g; s/, */,/g')
+  needed=$(dpkg-deb -f "$package" Depends | sed 's/ *([^)]*)//g; s/, */ /g')
+  needed=$(for name in $needed; do provider "$name"; done | paste -sd,)
   system "$suite-$architecture-foreign" --foreign --include="$needed"
   "$source_dir/tools/board/run.sh" package --add "$root" --artefacts "$cache/board"
 else
