@@ -92,6 +92,12 @@ void declareTraining(CLI::App& app, Arguments& a) {
                  "--patience epochs, the best kept")
       ->check(CLI::IsMember(stoppingNames()))
       ->capture_default_str();
+  app.add_option(
+         "--initialisation", a.initialisation,
+         "pytorch; spread: the first layer's gates turn all over the data, for features with absolute time")
+      ->check(CLI::IsMember(initialisationNames()))
+      ->capture_default_str();
+  app.add_option("--turn-s", t.turn_s, "within which those gates turn as time passes")->capture_default_str();
   app.add_option("--loss", a.loss)->check(CLI::IsMember({"squared", "absolute"}))->capture_default_str();
   app.add_option("--patience", t.patience)->capture_default_str();
   app.add_option("--epochs", t.epochs, "at most")->capture_default_str();
@@ -140,6 +146,7 @@ void understand(Arguments& a) {
   a.split.validation_share = a.validation_data.empty() ? a.split.validation_share : 0.0;
   a.split.test_share = a.test_data.empty() ? a.split.test_share : 0.0;
   a.training.stopping = positionOf<Stopping>(a.stopping, stoppingNames());
+  a.training.initialisation = positionOf<Initialisation>(a.initialisation, initialisationNames());
   a.training.loss = a.loss == "squared" ? Loss::kSquared : Loss::kAbsolute;
   a.training.attention_scale =
       a.attention_scale == "none" ? network::AttentionScale::kNone : network::AttentionScale::kInvSqrt;

@@ -32,6 +32,7 @@ struct Arguments {
   std::string split_name = "blocked";
   SplitOptions split;
   std::string attention_scale = "inv_sqrt";
+  std::string initialisation = "pytorch";
   std::string loss = "squared";
   std::string stopping = "validation";
   TrainingOptions training;

@@ -38,6 +38,7 @@ std::string optionsText(const TrainingOptions& o) {
   return nlohmann::json{{"batch", o.batch},
                         {"burn_in_steps", o.burn_in},
                         {"epochs", o.epochs},
+                        {"initialisation", initialisationNames()[static_cast<std::size_t>(o.initialisation)]},
                         {"learning_rate", o.learning_rate},
                         {"loss", o.loss == Loss::kSquared ? "squared" : "absolute"},
                         {"patience", o.patience},
@@ -45,6 +46,7 @@ std::string optionsText(const TrainingOptions& o) {
                         {"sequence_steps", o.sequence_steps},
                         {"stopping", stoppingNames()[static_cast<std::size_t>(o.stopping)]},
                         {"threads", o.threads},
+                        {"turn_s", o.turn_s},
                         {"weight_decay", o.weight_decay}}
       .dump();
 }

@@ -107,16 +107,20 @@ std::string identityOf(std::span<const Sequence> sequences, const network::Netwo
     data.add(targetOf(sequence, frame.output));
     data.add(sequence.role.data(), sequence.role.size());
   }
+  for (const Eigen::VectorXd* scaling :
+       {&frame.feature_mean, &frame.feature_scale, &frame.output_mean, &frame.output_scale}) {
+    data.add(scaling->data(), static_cast<std::size_t>(scaling->size()));
+  }
   return fmt::format(
       "data {:016x}, rate {}, output {}, layers {}, hidden {}, channels {}, heads {}, window {}, attention "
       "{}, "
       "loss {}, stopping {}, patience {}, epochs {}, batch {}, steps {}, burn-in {}, learning rate {}, decay "
       "{}, "
-      "seed {}, threads {}, libtorch {}",
+      "seed {}, threads {}, initialisation {} {}, libtorch {}",
       data.value(), frame.rate_Hz, static_cast<int>(frame.output), o.layers, o.hidden, o.channels, o.heads,
       o.window, static_cast<int>(o.attention_scale), static_cast<int>(o.loss), static_cast<int>(o.stopping),
       o.patience, o.epochs, o.batch, o.sequence_steps, o.burn_in, o.learning_rate, o.weight_decay, o.seed,
-      o.threads, TORCH_VERSION);
+      o.threads, static_cast<int>(o.initialisation), o.turn_s, TORCH_VERSION);
 }
 
 }  // namespace patella::train

@@ -8,6 +8,7 @@
 
 #include "tools/train/early_stopping.hpp"
 #include "tools/train/split.hpp"
+#include "tools/train/spread_gates.hpp"
 #include "tools/train/torch_checkpoint.hpp"
 #include "tools/train/torch_network.hpp"
 #include "tools/train/windows.hpp"
@@ -43,7 +44,10 @@ class Training {
  public:
   Training(std::span<const Sequence> sequences, const network::NetworkWeights& frame,
            const TrainingOptions& options)
-      : sequences_(sequences), frame_(framed(frame, options)), options_(options), network_(frame_) {
+      : sequences_(sequences),
+        frame_(framed(sequences, frame, options)),
+        options_(options),
+        network_(frame_) {
     network::NetworkWeights of_target;
     of_target.feature_mean = frame.output_mean;
     of_target.feature_scale = frame.output_scale;
@@ -104,7 +108,8 @@ class Training {
   }
 
  private:
-  static network::NetworkWeights framed(network::NetworkWeights frame, const TrainingOptions& options) {
+  static network::NetworkWeights framed(std::span<const Sequence> sequences, network::NetworkWeights frame,
+                                        const TrainingOptions& options) {
     frame.heads = options.heads;
     frame.window = options.window;
     frame.attention_scale = options.attention_scale;
@@ -115,6 +120,9 @@ class Training {
                 .channels = options.channels,
                 .outputs = frame.output_mean.size()},
                options.seed);
+    if (options.initialisation == Initialisation::kSpread) {
+      spreadGates(frame, sequences, options.turn_s, options.seed);
+    }
     network::checkWeights(frame);
     return frame;
   }

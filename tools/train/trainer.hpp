@@ -27,6 +27,14 @@ enum class Loss : std::uint8_t {
   kAbsolute,
 };
 
+/// How the weights are drawn.
+enum class Initialisation : std::uint8_t {
+  kPytorch,  ///< as PyTorch initialises its modules
+  kSpread,   ///< likewise, but the first layer's gates turn all over the data: spreadGates()
+};
+/// As written on the command line: pytorch, spread.
+const std::vector<std::string>& initialisationNames();
+
 struct TrainingOptions {
   Eigen::Index layers = 1;  ///< of the LSTM, 1 or 2
   Eigen::Index hidden = 128;
@@ -34,6 +42,8 @@ struct TrainingOptions {
   int heads = 8;
   int window = 64;
   network::AttentionScale attention_scale = network::AttentionScale::kInvSqrt;
+  Initialisation initialisation = Initialisation::kPytorch;
+  double turn_s = 2.0;  ///< of spreadGates()
   Loss loss = Loss::kSquared;
   Stopping stopping = Stopping::kValidation;
   int patience = 20;

@@ -20,6 +20,11 @@ const std::vector<std::string>& stoppingNames() {
   return names;
 }
 
+const std::vector<std::string>& initialisationNames() {
+  static const std::vector<std::string> names = {"pytorch", "spread"};
+  return names;
+}
+
 const TrainingOptions& checked(const TrainingOptions& o) {
   const auto width = [](Eigen::Index value) { return value >= 1 && value <= network::kMaxWidth; };
   require(o.layers == 1 || o.layers == 2, "layers", static_cast<double>(o.layers), "1 or 2");
@@ -37,6 +42,7 @@ const TrainingOptions& checked(const TrainingOptions& o) {
           "above 0 and below 1");
   require(o.weight_decay >= 0.0 && o.weight_decay < 1.0, "weight_decay", o.weight_decay,
           "0 or more and below 1");
+  require(o.turn_s > 0.0, "turn_s", o.turn_s, "above 0");
   require(o.threads >= 1, "threads", o.threads, "at least 1");
   return o;
 }

@@ -2,9 +2,12 @@
 #include "tools/train/split.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 #include <doctest/doctest.h>
 
+#include "tools/train/spread_gates.hpp"
 #include "tools/train/windows.hpp"
 
 using namespace patella;
@@ -106,4 +109,47 @@ TEST_CASE("every trained step is learned from once in a pass, and its burn-in co
   CHECK(std::all_of(seen.begin(), seen.end(), [](int times) { return times >= 1 && times <= 2; }));
   CHECK(std::count(seen.begin(), seen.end(), 2) <
         3 * 64);  // where the first piece, without burn-in, is short
+}
+
+TEST_CASE("spread gates turn all over the trained steps, as fast as was asked for") {
+  std::vector<Sequence> sequences = empty(1, 5000);
+  sequences[0].features.resize(5000, 2);
+  for (Eigen::Index step = 0; step < 5000; ++step) {
+    sequences[0].features.row(step) << std::sin(0.05 * static_cast<double>(step)),
+        0.01 * static_cast<double>(step);
+  }
+  assignRole(sequences[0], Role::kTrain, 1.0);
+  constexpr Eigen::Index kHidden = 64;
+  const auto drawn = [&](double turn_s, std::uint64_t seed) {
+    network::NetworkWeights weights =
+        frameOf(sequences, {"q1_rad", "time_s"}, network::OutputKind::kAcceleration);
+    weights.lstm.push_back({.weight_ih = network::WeightMatrix::Ones(4 * kHidden, 2),
+                            .weight_hh = network::WeightMatrix::Zero(4 * kHidden, kHidden),
+                            .bias_ih = network::WeightVector::Ones(4 * kHidden),
+                            .bias_hh = network::WeightVector::Zero(4 * kHidden)});
+    spreadGates(weights, sequences, turn_s, seed);
+    return weights;
+  };
+  const network::NetworkWeights weights = drawn(2.0, 1);
+  const network::LstmWeights& lstm = weights.lstm.front();
+  CHECK(lstm.weight_ih.middleRows(kHidden, kHidden).isZero());  // forget gates
+  CHECK(lstm.bias_ih.segment(kHidden, kHidden).isZero());
+  const Eigen::VectorXd by_time = lstm.weight_ih.col(1).cast<double>() / weights.feature_scale[1];
+  CHECK(by_time.cwiseAbs().maxCoeff() <= 0.5);
+  CHECK(by_time.cwiseAbs().maxCoeff() > 0.45);
+  // Where a candidate turns if the other feature stands at its mean: early and late, not at the middle alone.
+  int early = 0;
+  int late = 0;
+  for (Eigen::Index row = 2 * kHidden; row < 3 * kHidden; ++row) {
+    const double turn_s = weights.feature_mean[1] - static_cast<double>(lstm.bias_ih[row]) / by_time[row];
+    early += turn_s < 15.0 ? 1 : 0;
+    late += turn_s > 35.0 ? 1 : 0;
+  }
+  CHECK(early > kHidden / 8);
+  CHECK(late > kHidden / 8);
+  CHECK(drawn(2.0, 1).lstm[0].bias_ih == lstm.bias_ih);
+  CHECK_FALSE(drawn(2.0, 2).lstm[0].bias_ih == lstm.bias_ih);
+  assignRole(sequences[0], Role::kTest, 1.0);
+  network::NetworkWeights untrained = weights;
+  CHECK_THROWS_AS(spreadGates(untrained, sequences, 2.0, 1), std::invalid_argument);
 }
