@@ -16,7 +16,12 @@ constexpr double kLowestTone_Hz = 0.1;
 }  // namespace
 
 InteractionForce::InteractionForce(const InteractionOptions& options, std::uint64_t seed)
-    : kind_(options.kind), tone_amplitude_N_(options.human_rms_N * std::sqrt(2.0 / kTones)) {
+    : kind_(options.kind),
+      begun_s_(options.begun_s),
+      tone_amplitude_N_(options.human_rms_N * std::sqrt(2.0 / kTones)) {
+  if (!(options.begun_s >= 0.0)) {
+    throw std::invalid_argument("begun_s is " + std::to_string(options.begun_s) + ", expected >= 0");
+  }
   if (!(options.human_rms_N >= 0.0)) {
     throw std::invalid_argument("human_rms_N is " + std::to_string(options.human_rms_N) + ", expected >= 0");
   }
@@ -38,7 +43,7 @@ InteractionForce::InteractionForce(const InteractionOptions& options, std::uint6
 }
 
 Eigen::Vector2d InteractionForce::at(double time_s) const noexcept {
-  const double t = time_s;
+  const double t = begun_s_ + time_s;
   switch (kind_) {
     case InteractionKind::kNone:
       break;

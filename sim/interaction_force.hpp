@@ -25,13 +25,15 @@ enum class InteractionForm : std::uint8_t {
 struct InteractionOptions {
   InteractionKind kind = InteractionKind::kNone;
   InteractionForm form = InteractionForm::kCorrected;
+  double begun_s = 0.0;             ///< before the start, at least 0: h(t + begun_s) acts at t
   double human_rms_N = 8.0;         ///< of each component
   double human_bandwidth_Hz = 2.0;  ///< power lies between 0.1 Hz and this
 };
 
 class InteractionForce {
  public:
-  /// Throws std::invalid_argument when the human force's rms is negative or its bandwidth not above 0.1 Hz.
+  /// Throws std::invalid_argument when begun_s or the human force's rms is negative or its bandwidth not
+  /// above 0.1 Hz.
   InteractionForce(const InteractionOptions& options, std::uint64_t seed);
 
   /// Force on the leg (x forward, y up) at `time_s` after the start, N.
@@ -45,6 +47,7 @@ class InteractionForce {
   static constexpr int kTones = 12;
 
   InteractionKind kind_;
+  double begun_s_;
   double tone_amplitude_N_;
   std::array<std::array<Tone, kTones>, 2> tones_{};
 };

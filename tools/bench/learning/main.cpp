@@ -1,5 +1,4 @@
 // patella-bench-learning: what a network adds to the best observer.
-#include <algorithm>
 #include <exception>
 #include <iostream>
 
@@ -27,9 +26,6 @@ struct PendulumArguments {
   std::vector<std::string> test_data;
   std::string columns;
 };
-
-constexpr const char* kPaper =
-    "The paper's experiments: a random split of steps, and what it hides. Errors in rad/s².";
 
 struct LegArguments {
   LegStudyOptions options;
@@ -104,43 +100,7 @@ void runPendulum(const PendulumArguments& a) {
   std::cout << table(results);
 }
 
-void declare(CLI::App& app, PaperStudyOptions& o, std::vector<int>& experiments,
-             std::vector<std::string>& splits, std::string& stopping) {
-  app.add_option("--experiments", experiments)
-      ->delimiter(',')
-      ->check(CLI::Range(1, 2))
-      ->capture_default_str();
-  app.add_option("--splits", splits)->delimiter(',')->check(CLI::IsMember(patella::train::splitNames()));
-  app.add_option("--stopping", stopping)
-      ->check(CLI::IsMember(patella::train::stoppingNames()))
-      ->capture_default_str();
-  app.add_option("--seeds", o.seeds)->check(CLI::Range(1, 100))->capture_default_str();
-  app.add_option("--seconds", o.seconds)->check(CLI::Range(10.0, 600.0))->capture_default_str();
-  app.add_option("--rate-Hz", o.rate_Hz, "of the network")->capture_default_str();
-  declareTraining(app, o.training);
-}
-
-template <typename Kind>
-Kind kindOf(const std::string& name, const std::vector<std::string>& names) {
-  return static_cast<Kind>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
-void understand(PaperStudyOptions& o, const std::vector<int>& experiments,
-                const std::vector<std::string>& splits, const std::string& stopping) {
-  o.experiments.clear();
-  for (const int experiment : experiments) {
-    o.experiments.push_back(experiment == 1 ? Experiment::kFirst : Experiment::kSecond);
-  }
-  o.splits.clear();
-  for (const std::string& split : splits) {
-    o.splits.push_back(kindOf<patella::train::SplitKind>(split, patella::train::splitNames()));
-  }
-  o.training.stopping = kindOf<patella::train::Stopping>(stopping, patella::train::stoppingNames());
-  checked(o.training);
-}
-
-template <typename Result>
-void tell(const Result& result) {
+void tell(const LegResult& result) {
   std::cerr << line(result) << std::flush;
 }
 
@@ -193,14 +153,6 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                                .weight_decay = 0.02};
   CLI::App& pendulum_command = *app.add_subcommand("pendulum", kPendulum);
   declare(pendulum_command, pendulum);
-  PaperStudyOptions paper;
-  std::string paper_stopping = "none";
-  paper.training = {
-      .stopping = patella::train::Stopping::kNone, .epochs = 400, .batch = 8, .learning_rate = 3e-3};
-  std::vector<int> experiments{1, 2};
-  std::vector<std::string> splits{"random", "blocked", "chronological"};
-  CLI::App& paper_command = *app.add_subcommand("paper", kPaper);
-  declare(paper_command, paper, experiments, splits, paper_stopping);
   CLI::App& leg_command = *app.add_subcommand("legs", kLegs);
   declare(leg_command, legs);
   try {
@@ -209,14 +161,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     return app.exit(error) == 0 ? 0 : 1;
   }
   try {
-    if (paper_command.parsed()) {
-      understand(paper, experiments, splits, paper_stopping);
-      std::cout << table(paperStudy(paper, tell<PaperResult>));
-    } else if (pendulum_command.parsed()) {
+    if (pendulum_command.parsed()) {
       runPendulum(pendulum);
     } else {
       understand(legs);
-      std::cout << table(legStudy(legs.options, tell<LegResult>));
+      std::cout << table(legStudy(legs.options, tell));
     }
   } catch (const std::exception& error) {
     std::cerr << "patella-bench-learning: " << error.what() << "\n";

@@ -91,44 +91,4 @@ std::string table(std::span<const LegResult> results) {
   return text;
 }
 
-std::string line(const PaperResult& r) {
-  return fmt::format("experiment {}, seed {}, {}: network {:.4f} / {:.4f}, target {:.4f} / {:.4f} rad/s²\n",
-                     r.experiment == Experiment::kFirst ? 1 : 2, r.seed, r.tested_on, r.network[0],
-                     r.network[1], r.smoother[0], r.smoother[1]);
-}
-
-std::string table(std::span<const PaperResult> results) {
-  struct PaperRow {
-    const PaperResult* first;
-    std::array<std::vector<double>, 2> network;
-    std::array<std::vector<double>, 2> smoother;
-    std::array<std::vector<double>, 2> zero;
-  };
-  std::vector<PaperRow> rows;
-  for (const PaperResult& result : results) {
-    auto row = std::find_if(rows.begin(), rows.end(), [&](const PaperRow& r) {
-      return r.first->experiment == result.experiment && r.first->tested_on == result.tested_on;
-    });
-    if (row == rows.end()) {
-      row = rows.insert(rows.end(), PaperRow{.first = &result, .network = {}, .smoother = {}, .zero = {}});
-    }
-    for (std::size_t joint = 0; joint < 2; ++joint) {
-      row->network[joint].push_back(result.network[joint]);
-      row->smoother[joint].push_back(result.smoother[joint]);
-      row->zero[joint].push_back(result.zero[joint]);
-    }
-  }
-  std::string text =
-      "| experiment | tested on | network, joint 1 | joint 2 | its target | saying nothing "
-      "|\n|---|---|---|---|---|---|\n";
-  for (const PaperRow& row : rows) {
-    text += fmt::format(
-        "| {} | {} | {:.4f} ± {:.4f} | {:.4f} ± {:.4f} | {:.4f} / {:.4f} | {:.2f} / {:.2f} |\n",
-        row.first->experiment == Experiment::kFirst ? 1 : 2, row.first->tested_on, meanOf(row.network[0]),
-        halfInterval(row.network[0]), meanOf(row.network[1]), halfInterval(row.network[1]),
-        meanOf(row.smoother[0]), meanOf(row.smoother[1]), meanOf(row.zero[0]), meanOf(row.zero[1]));
-  }
-  return text;
-}
-
 }  // namespace patella::bench

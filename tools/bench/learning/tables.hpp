@@ -5,7 +5,6 @@
 #include <string>
 
 #include "tools/bench/learning/leg_study.hpp"
-#include "tools/bench/learning/paper_study.hpp"
 
 namespace patella::bench {
 
@@ -15,10 +14,6 @@ std::string line(const LegResult& result);
 /// In Markdown: means over seeds with 95 % confidence intervals (Student's t), and the ratio of each seed's
 /// error, summed over joints, to that of the first estimator of its condition and horizon.
 std::string table(std::span<const LegResult> results);
-
-std::string line(const PaperResult& result);
-/// Likewise, in rad/s², over seeds.
-std::string table(std::span<const PaperResult> results);
 
 /// Half the width of the 95 % interval of a mean; 0 of a single value.
 double halfInterval(std::span<const double> values);

@@ -26,17 +26,26 @@ Reference referenceAt(double t) {
           {0.35 * kPi * std::cos(first), 0.45 * kPi * std::cos(second)}};
 }
 
+sim::EncoderOptions encoderOptions(const Condition& condition) {
+  sim::EncoderOptions options;
+  if (condition.encoderOnly()) {
+    options.bits_per_turn = kEncoderBits;
+    return options;
+  }
+  options.velocity_noise_sd_rad_s = kStateNoise;
+  options.position_noise_sd_rad = condition.noise == Noise::kBothStates ? kStateNoise : 0.0;
+  return options;
+}
+
 std::array<sim::Encoder, 2> encoders(const sim::EncoderOptions& options, std::uint64_t seed) {
   return {sim::Encoder(options, 0, seed), sim::Encoder(options, 1, seed)};
 }
 
 Recording recordPaper(const Condition& condition, double seconds, std::uint64_t seed) {
-  sim::EncoderOptions options;
-  options.velocity_noise_sd_rad_s = kStateNoise;
-  options.position_noise_sd_rad = condition.noise == Noise::kBothStates ? kStateNoise : 0.0;
-  auto encoder = encoders(options, seed);
+  auto encoder = encoders(encoderOptions(condition), seed);
   Recording recording{.condition = condition, .samples = {}, .known = {}};
-  for (const Sample& sample : runPaperExperiment(condition.experiment, kRate_Hz, seconds, seed)) {
+  for (const Sample& sample :
+       runPaperExperiment(condition.experiment, kRate_Hz, seconds, seed, condition.push_begun_s)) {
     RecordedSample out{sample.q, sample.dq, sample.torque_Nm, sample.f_u};
     for (std::size_t joint = 0; joint < encoder.size(); ++joint) {
       const auto i = static_cast<Eigen::Index>(joint);
@@ -51,17 +60,16 @@ Recording recordPaper(const Condition& condition, double seconds, std::uint64_t 
 Recording recordPhysical(const Condition& condition, double seconds, std::uint64_t seed) {
   const Eigen::Vector2d stiffness_Nm_rad(20.0, 15.0);
   const Eigen::Vector2d damping_Nms_rad(2.0, 1.0);
-  const model::DynamicsModel known = knownModel(condition.noise);
+  const model::DynamicsModel known = knownModel(condition);
   const Reference start = referenceAt(0.0);
   sim::InteractionOptions interaction;
   interaction.kind = condition.experiment == Experiment::kFirst ? sim::InteractionKind::kExperiment1
                                                                 : sim::InteractionKind::kExperiment2;
-  sim::Plant plant(knownModel(condition.noise), knownModel(condition.noise), interaction, seed,
-                   {start.q, start.dq});
+  interaction.begun_s = condition.push_begun_s;
+  sim::Plant plant(knownModel(condition), knownModel(condition), interaction, seed, {start.q, start.dq});
   sim::Random torque_error(seed, kTorqueErrorStream);
-  sim::EncoderOptions options;
-  options.bits_per_turn = kEncoderBits;
-  auto encoder = encoders(options, seed);
+  const auto emg_torque = paperTorques(seed);
+  auto encoder = encoders(encoderOptions(condition), seed);
 
   Recording recording{.condition = condition, .samples = {}, .known = {}};
   const auto steps = static_cast<std::size_t>(std::llround(seconds * kRate_Hz));
@@ -73,14 +81,22 @@ Recording recordPhysical(const Condition& condition, double seconds, std::uint64
     for (std::size_t joint = 0; joint < encoder.size(); ++joint) {
       const auto i = static_cast<Eigen::Index>(joint);
       out.q[i] = encoder[joint].measurePosition(state.q[i]);
+      out.dq[i] = condition.encoderOnly() ? 0.0 : encoder[joint].measureVelocity(state.dq[i]);
     }
     recording.samples.push_back(out);
-    const Reference wanted = referenceAt(static_cast<double>(k) / kRate_Hz);
+    const double time_s = static_cast<double>(k) / kRate_Hz;
+    const Reference wanted = referenceAt(time_s);
     commanded = stiffness_Nm_rad.cwiseProduct(wanted.q - state.q) +
                 damping_Nms_rad.cwiseProduct(wanted.dq - state.dq);
     JointVector applied = commanded;
-    for (double& torque : applied) {
-      torque += kTorqueNoise_Nm * torque_error.gaussian();
+    for (std::size_t joint = 0; joint < encoder.size(); ++joint) {
+      const auto i = static_cast<Eigen::Index>(joint);
+      if (condition.encoderOnly()) {
+        applied[i] += kTorqueNoise_Nm * torque_error.gaussian();
+      } else {
+        commanded[i] += emg_torque[joint].at(time_s);
+        applied[i] = commanded[i];
+      }
     }
     plant.advance(applied, {}, 1.0 / kRate_Hz);
   }
@@ -101,13 +117,13 @@ std::string_view noiseName(Noise noise) {
   return "encoder_only";
 }
 
-model::DynamicsModel knownModel(Noise noise) {
-  return makeModel(noise == Noise::kEncoderOnly ? model::physicalLeg() : model::paperLeg());
+model::DynamicsModel knownModel(const Condition& condition) {
+  return makeModel(condition.corrected ? model::physicalLeg() : model::paperLeg());
 }
 
 Recording record(const Condition& condition, double seconds, std::uint64_t seed) {
-  return condition.encoderOnly() ? recordPhysical(condition, seconds, seed)
-                                 : recordPaper(condition, seconds, seed);
+  return condition.corrected ? recordPhysical(condition, seconds, seed)
+                             : recordPaper(condition, seconds, seed);
 }
 
 }  // namespace patella::bench

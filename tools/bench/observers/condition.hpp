@@ -25,6 +25,10 @@ std::string_view noiseName(Noise noise);
 struct Condition {
   Experiment experiment = Experiment::kFirst;
   Noise noise = Noise::kVelocity;
+  /// False: preset paper, f_u = J h, as the paper has it but for the signs of J. True, and always where the
+  /// encoder is alone: preset physical under position control, f_u = I⁻¹ Jᵀ h.
+  bool corrected = noise == Noise::kEncoderOnly;
+  double push_begun_s = 0.0;  ///< h(t + this) acts at t
 
   bool encoderOnly() const noexcept { return noise == Noise::kEncoderOnly; }
 };
@@ -45,7 +49,7 @@ struct RecordedSample {
   JointVector q;
   JointVector dq;         ///< encoder only: unused
   JointVector torque_Nm;  ///< as commanded over the step that ends here
-  JointVector truth;      ///< f_u, rad/s²; encoder only: d = I f_u, N·m
+  JointVector truth;      ///< f_u, rad/s²; corrected: d = I f_u, N·m
 };
 
 struct Recording {
@@ -56,13 +60,15 @@ struct Recording {
 };
 
 /// The model that the observers are given in a condition; it is right but for the patient.
-model::DynamicsModel knownModel(Noise noise);
+model::DynamicsModel knownModel(const Condition& condition);
 
 /// Deterministic in all arguments; the seed decides the torques (paper), the torque's error and the noise.
 ///
 /// Paper: paper_experiment.hpp. Physical: f_u = I⁻¹ Jᵀ h with h of the same two experiments; the leg follows
 /// phi1 = −π/2 + 0.4 + 0.35 sin πt, phi2 = −0.9 + 0.45 sin(πt + 0.8) under stiffness 20 and 15 N·m/rad and
-/// damping 2 and 1 N·m·s/rad, commanded each millisecond from the true state.
+/// damping 2 and 1 N·m·s/rad, commanded each millisecond from the true state. Where the encoder is not alone,
+/// the paper's torques are added to the controller's, so that motions differ from seed to seed, and the
+/// torque is exact.
 Recording record(const Condition& condition, double seconds, std::uint64_t seed);
 
 }  // namespace patella::bench

@@ -21,7 +21,7 @@ class Inputs {
  public:
   Inputs(const Method& method, std::span<const double> values, const Recording& recording)
       : recording_(recording),
-        model_(recording.known ? recording.known() : knownModel(recording.condition.noise)),
+        model_(recording.known ? recording.known() : knownModel(recording.condition)),
         velocity_(method.needs_velocity && recording.condition.encoderOnly() ? values.back()
                                                                              : kDefaultCutoff_Hz) {}
 
@@ -95,7 +95,7 @@ Trace follow(const Method& method, std::span<const double> values, const Recordi
   Trace trace;
   for (std::size_t k = settling; k + settling < estimated.size(); ++k) {
     const estimation::UnknownDynamics& estimate = estimated[k + lag];
-    const JointVector& value = recording.condition.encoderOnly() ? estimate.d_Nm : estimate.f_u;
+    const JointVector& value = recording.condition.corrected ? estimate.d_Nm : estimate.f_u;
     for (std::size_t joint = 0; joint < 2; ++joint) {
       const auto i = static_cast<Eigen::Index>(joint);
       trace.estimate[joint].push_back(value[i]);

@@ -43,7 +43,7 @@ KalmanSettings kalmanSettings(Filter filter, Disturbance disturbance, const Cond
   KalmanSettings s;
   s.space = filter == Filter::kAccelerationVelocity ? KalmanSettings::Space::kAcceleration
             : !force                                ? KalmanSettings::Space::kJointTorque
-            : condition.encoderOnly()               ? KalmanSettings::Space::kForce
+            : condition.corrected                   ? KalmanSettings::Space::kForce
                                                     : KalmanSettings::Space::kForceAsPrinted;
   s.disturbance = disturbance;
   s.estimate_position = filter == Filter::kTorque || filter == Filter::kForce;

@@ -31,7 +31,7 @@ int number(Experiment experiment) {
 }
 
 const char* unit(const Condition& condition) {
-  return condition.encoderOnly() ? "N·m" : "rad/s²";
+  return condition.corrected ? "N·m" : "rad/s²";
 }
 
 std::string title(const Condition& condition) {

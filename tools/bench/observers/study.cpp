@@ -6,9 +6,6 @@
 #include <thread>
 
 namespace patella::bench {
-namespace {
-
-constexpr std::uint64_t kFirstTuningSeed = 101;
 
 std::vector<Recording> recordAll(const Condition& condition, double seconds, std::uint64_t first, int count) {
   std::vector<Recording> recordings;
@@ -55,8 +52,6 @@ Result measure(const Method& method, const std::vector<Recording>& tuning,
   }
   return result;
 }
-
-}  // namespace
 
 std::vector<Result> study(const StudyOptions& options) {
   const std::vector<Method>& all = methods();

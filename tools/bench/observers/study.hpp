@@ -33,6 +33,18 @@ struct Result {
   std::array<Spread, 2> delay_s;
 };
 
+inline constexpr std::uint64_t kFirstTuningSeed = 101;
+
+/// Recordings of the seeds from `first`.
+std::vector<Recording> recordAll(const Condition& condition, double seconds, std::uint64_t first, int count);
+
+/// Tunes a method on some recordings and measures it on others, all of one condition.
+Result measure(const Method& method, const std::vector<Recording>& tuning,
+               const std::vector<Recording>& recordings);
+
+/// Mean and deviation of one value a seed.
+Spread spreadOf(const std::vector<double>& values);
+
 /// In the order of the conditions and, in each, of methods(). The same for any number of jobs.
 std::vector<Result> study(const StudyOptions& options);
 

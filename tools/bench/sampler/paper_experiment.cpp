@@ -27,15 +27,21 @@ constexpr double kHigh_Hz = 3.0;
 using Pair = Eigen::Vector2d;
 using State = Eigen::Vector4d;  // hip, knee, their rates
 
-Pair userForce(Experiment experiment, double t) {
-  if (experiment == Experiment::kFirst) {
+struct Push {
+  Experiment experiment;
+  double begun_s;
+};
+
+Pair userForce(const Push& push, double time_s) {
+  const double t = push.begun_s + time_s;
+  if (push.experiment == Experiment::kFirst) {
     return {0.1 * t + std::cos(t), 1.0 / (t + 1.0) + std::sin(t)};
   }
   return {std::atan(t) + std::cos(t), std::sin(2.0 * t) + std::sin(0.5 * t)};
 }
 
-Pair unknownAcceleration(Experiment experiment, double t, double hip, double knee) {
-  const Pair force = userForce(experiment, t);
+Pair unknownAcceleration(const Push& push, double t, double hip, double knee) {
+  const Pair force = userForce(push, t);
   const double shank = hip + knee;
   const double shank_x = kShankLength * std::cos(shank);
   const double shank_y = kShankLength * std::sin(shank);
@@ -73,22 +79,22 @@ Pair knownAcceleration(const State& state, const Pair& torque) {
   return {thigh_acceleration, shank_acceleration - thigh_acceleration};
 }
 
-State derivative(Experiment experiment, double t, const State& state, const Pair& torque) {
+State derivative(const Push& push, double t, const State& state, const Pair& torque) {
   State rate;
   rate << state.tail<2>(),
-      knownAcceleration(state, torque) + unknownAcceleration(experiment, t, state[0], state[1]);
+      knownAcceleration(state, torque) + unknownAcceleration(push, t, state[0], state[1]);
   return rate;
 }
 
 /// Fourth-order Runge–Kutta in steps of at most 0.25 ms.
-State integrate(Experiment experiment, double t, double span, State state, const Pair& torque) {
+State integrate(const Push& push, double t, double span, State state, const Pair& torque) {
   const int steps = std::max(1, static_cast<int>(std::ceil(span / 2.5e-4 - 1e-9)));
   const double h = span / steps;
   for (int i = 0; i < steps; ++i, t += h) {
-    const State k1 = derivative(experiment, t, state, torque);
-    const State k2 = derivative(experiment, t + h / 2.0, state + h / 2.0 * k1, torque);
-    const State k3 = derivative(experiment, t + h / 2.0, state + h / 2.0 * k2, torque);
-    const State k4 = derivative(experiment, t + h, state + h * k3, torque);
+    const State k1 = derivative(push, t, state, torque);
+    const State k2 = derivative(push, t + h / 2.0, state + h / 2.0 * k1, torque);
+    const State k3 = derivative(push, t + h / 2.0, state + h / 2.0 * k2, torque);
+    const State k4 = derivative(push, t + h, state + h * k3, torque);
     state += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
   }
   return state;
@@ -132,28 +138,32 @@ double TorqueSource::limited(double raw_value) const {
   return peak_Nm_ * std::tanh(gain_ * raw_value / peak_Nm_);
 }
 
+std::array<TorqueSource, 2> paperTorques(std::uint64_t seed) {
+  return {TorqueSource(0.59, 1.45, 2 * seed), TorqueSource(0.28, 0.70, 2 * seed + 1)};
+}
+
 std::vector<Sample> runPaperExperiment(Experiment experiment, double rate_Hz, double seconds,
-                                       std::uint64_t seed) {
-  const TorqueSource hip(0.59, 1.45, 2 * seed);
-  const TorqueSource knee(0.28, 0.70, 2 * seed + 1);
+                                       std::uint64_t seed, double begun_s) {
+  const auto [hip, knee] = paperTorques(seed);
+  const Push push{experiment, begun_s};
   const double dt = 1.0 / rate_Hz;
   const auto steps = static_cast<std::size_t>(std::llround(seconds * rate_Hz));
 
   State state(-std::numbers::pi / 2.0, 0.0, 0.0, 0.0);
   std::vector<Sample> samples;
   samples.reserve(steps + 1);
-  const Pair start = unknownAcceleration(experiment, 0.0, state[0], state[1]);
+  const Pair start = unknownAcceleration(push, 0.0, state[0], state[1]);
   samples.push_back({0.0, state.head<2>(), state.tail<2>(), JointVector::Zero(2), start, start});
   for (std::size_t k = 1; k <= steps; ++k) {
     const double begin = static_cast<double>(k - 1) * dt;
     const double middle = begin + dt / 2.0;
     const double end = static_cast<double>(k) * dt;
     const Pair torque(hip.at(begin), knee.at(begin));
-    const State half = integrate(experiment, begin, dt / 2.0, state, torque);
-    state = integrate(experiment, middle, dt / 2.0, half, torque);
+    const State half = integrate(push, begin, dt / 2.0, state, torque);
+    state = integrate(push, middle, dt / 2.0, half, torque);
     samples.push_back({end, state.head<2>(), state.tail<2>(), torque,
-                       unknownAcceleration(experiment, end, state[0], state[1]),
-                       unknownAcceleration(experiment, middle, half[0], half[1])});
+                       unknownAcceleration(push, end, state[0], state[1]),
+                       unknownAcceleration(push, middle, half[0], half[1])});
   }
   return samples;
 }

@@ -53,8 +53,12 @@ class TorqueSource {
 ///
 /// Masses 2 and 0.85 kg, lengths 0.2 and 0.25 m, centres of mass half way, I = m l²/4, viscous friction of
 /// 0.2 N·m·s/rad on each joint; f_u = J h taken as acceleration, with J of the right sign; torques of 0.59
-/// and 0.28 N·m rms, limited to 1.45 and 0.70 N·m and held over each step.
+/// and 0.28 N·m rms, limited to 1.45 and 0.70 N·m and held over each step. The force has been under way for
+/// `begun_s` when the experiment starts: h(t + begun_s) acts at t.
 std::vector<Sample> runPaperExperiment(Experiment experiment, double rate_Hz, double seconds,
-                                       std::uint64_t seed);
+                                       std::uint64_t seed, double begun_s = 0.0);
+
+/// The torques of an experiment with this seed: hip, knee.
+std::array<TorqueSource, 2> paperTorques(std::uint64_t seed);
 
 }  // namespace patella::bench
