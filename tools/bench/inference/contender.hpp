@@ -47,4 +47,8 @@ std::vector<Contender> eigenPeers(const network::NetworkWeights& weights, bool w
 /// libtorch, whole, or LSTM, dense layer and tanh only. Empty without libtorch in this build.
 std::vector<Contender> torchPeers(const network::NetworkWeights& weights, bool whole);
 
+/// ONNX Runtime, likewise, on a model that keeps the keys and values of past steps. Throws std::runtime_error
+/// where it fails, or gives other numbers than this project's network.
+std::vector<Contender> onnxPeers(const network::NetworkWeights& weights, bool whole);
+
 }  // namespace patella::bench

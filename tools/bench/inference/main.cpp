@@ -20,7 +20,7 @@ struct Field {
   std::vector<Contender> contenders;
   std::size_t read = 0;  ///< the first of kBuffers
   std::size_t own = 0, own_two_phase = 0, own_int16 = 0, own_int16_two_phase = 0, own_recurrent = 0;
-  std::vector<std::size_t> eigen, eigen_recurrent, torch, torch_recurrent;
+  std::vector<std::size_t> eigen, eigen_recurrent, torch, torch_recurrent, onnx, onnx_recurrent;
 
   std::size_t add(Contender contender) {
     contenders.push_back(std::move(contender));
@@ -57,11 +57,13 @@ Field makeField(const network::NetworkWeights& weights) {
   }
   field.eigen = field.addAll(eigenPeers(weights, true), "");
   field.torch = field.addAll(torchPeers(weights, true), "");
+  field.onnx = field.addAll(onnxPeers(weights, true), "");
   Contender recurrent = ownRecurrentPart(weights);
   recurrent.name += ": LSTM, dense, tanh";
   field.own_recurrent = field.add(std::move(recurrent));
   field.eigen_recurrent = field.addAll(eigenPeers(weights, false), ": LSTM, dense, tanh");
   field.torch_recurrent = field.addAll(torchPeers(weights, false), ": LSTM, dense, tanh");
+  field.onnx_recurrent = field.addAll(onnxPeers(weights, false), ": LSTM, dense, tanh");
   return field;
 }
 
@@ -124,6 +126,14 @@ void printRatios(const Field& field, const std::vector<Timing>& hot) {
                 ratioOf(hot[field.torch_recurrent.front()], hot[field.own_recurrent]), false, 10.0);
     printTarget("libtorch to float32: whole", ratioOf(hot[field.torch.front()], hot[field.own]), false, 30.0);
   }
+  if (field.onnx.empty()) {
+    std::printf("  SKIPPED: ONNX Runtime, which this build did not find (PATELLA_ONNXRUNTIME_DIR)\n");
+  } else {
+    printRatio("ONNX Runtime to float32: LSTM, dense, tanh",
+               ratioOf(hot[field.onnx_recurrent.front()], hot[field.own_recurrent]));
+    printTarget("ONNX Runtime to float32: whole", ratioOf(hot[field.onnx.front()], hot[field.own]), false,
+                9.0);
+  }
   printTarget("float32 to int16", ratioOf(hot[field.own], hot[field.own_int16]), false, 1.4);
   printRatio("int16, tick to output to one phase",
              ratioOf(hot[field.own_int16_two_phase], hot[field.own_int16]));
@@ -145,7 +155,6 @@ void run(const MeasurementOptions& options) {
                                                     measure(field.contenders, Condition::kEvicted, evicted)};
   printTable(field, timings);
   printRatios(field, timings[0]);
-  std::printf("  SKIPPED: ONNX Runtime, for which there is no peer in this build\n");
 }
 
 int runFromCommandLine(int argc, char** argv) {
