@@ -1,20 +1,28 @@
 #!/usr/bin/env bash
 # Runs clang-tidy over the product's sources (not the tests) with the compile commands of a build folder.
 # Clang 14 does not parse libtorch's headers as C++20, so files named torch_* are left out.
-# A file that passed is not looked at again until it, a header, or the rules change; what passed is remembered in the
-# user's cache folder, for every checkout.
+# A file that passed is not looked at again until it, a header of the project that it includes, or the rules change; what
+# passed is remembered in the user's cache folder, for every checkout.
 #
-#   tools/checks/tidy.sh BUILD_DIR
+#   tools/checks/tidy.sh BUILD_DIR      a folder that has been built: what includes what is known from there
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${1:?usage: tools/checks/tidy.sh BUILD_DIR}
 stamps=${XDG_CACHE_HOME:-$HOME/.cache}/patella-tidy
 mkdir -p "$stamps"
-export build stamps
-rules=$(cat .clang-tidy tools/cmake/CompilerSettings.cmake $(find core drivers sim firmware_app tools -name '*.hpp' | sort) | sha1sum | cut -c1-40)
-export rules
+included=$(mktemp)
+trap 'rm -f "$included"' EXIT
+# Lines "SOURCE FILE": everything of the project that goes into a source, itself first.
+ninja -C "$build" -t deps |
+  awk '/#deps/ { source = ""; next } /^ +\.\.\/\.\.\// { sub(/^ +\.\.\/\.\.\//, ""); if (source == "") source = $0; print source, $0 }' |
+  sort -u >"$included"
+rules=$(cat .clang-tidy tools/cmake/CompilerSettings.cmake | sha1sum | cut -c1-40)
+export build stamps included rules
 check() {
-  stamp=$stamps/$( (echo "$rules ${1#"$PWD/"}"; cat "$1") | sha1sum | cut -c1-40)
+  local source=${1#"$PWD/"} files
+  files=$(awk -v source="$source" '$1 == source { print $2 }' "$included")
+  [ -n "$files" ] || { echo "tidy.sh: $source was not built in $build, expected a complete build" >&2; return 1; }
+  stamp=$stamps/$( (echo "$rules $source"; cat $files) | sha1sum | cut -c1-40)
   [ -e "$stamp" ] && return 0
   clang-tidy --quiet -p "$build" --extra-arg=-Wno-unknown-warning-option "$1" 2>"$stamp.log" || { grep -v 'warnings generated' "$stamp.log" >&2; return 1; }
   rm -f "$stamp.log"
