@@ -73,6 +73,20 @@ std::vector<estimation::UnknownDynamics> estimates(const Method& method, std::sp
   return result;
 }
 
+/// Indices of each joint's numbers, where a joint has several.
+std::vector<std::vector<std::size_t>> ofOneJoint(const std::vector<Tunable>& tunables) {
+  std::vector<std::vector<std::size_t>> joints(2);
+  for (std::size_t i = 0; i + 1 < tunables.size(); ++i) {
+    if (tunables[i].name == tunables[i + 1].name) {
+      joints[0].push_back(i);
+      joints[1].push_back(i + 1);
+      ++i;
+    }
+  }
+  std::erase_if(joints, [](const auto& joint) { return joint.size() < 2; });
+  return joints;
+}
+
 double score(const Method& method, std::span<const double> values, std::span<const Recording> recordings) {
   double sum = 0.0;
   try {
@@ -164,6 +178,9 @@ std::vector<double> tune(const Method& method, std::span<const Recording> record
     }
     for (std::size_t i = 0; i < best.size(); ++i) {
       search({i}, factor);
+    }
+    for (const std::vector<std::size_t>& joint : ofOneJoint(tunables)) {
+      search(joint, factor);
     }
   }
   return best;

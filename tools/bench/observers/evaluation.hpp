@@ -30,8 +30,9 @@ std::array<double, 2> delay_s(const Trace& trace);
 
 /// The rule by which every method is tuned in every condition: a number is multiplied or divided by a factor
 /// for as long as the mean error, summed over joints and recordings, falls. It is done with both joints'
-/// values of a number together, then with each alone, for the factors 4, 2 and √2 in turn. Numbers begin
-/// where methods() says and stay within 1/1000 to 1000 times their start.
+/// values of a number together, then with each alone, then with all numbers of a joint together (the valleys
+/// of observers with two gains lie askew), for the factors 4, 2 and √2 in turn. Numbers begin where methods()
+/// says and stay within 1/1000 to 1000 times their start.
 std::vector<double> tune(const Method& method, std::span<const Recording> recordings);
 
 }  // namespace patella::bench

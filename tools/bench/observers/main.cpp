@@ -23,7 +23,7 @@ position by the loop's filter, whose cutoff is one more number to tune.
 
 Tuning, the same for every method in every condition, on seeds 101 and up, which are not measured on: a number is
 multiplied or divided by a factor for as long as the mean error, summed over the joints, falls; both joints' values of
-a number together, then each alone, for the factors 4, 2 and √2 in turn. What the table calls tuned is all that was
+a number together, then each alone, then all numbers of a joint, for the factors 4, 2 and √2 in turn. What the table calls tuned is all that was
 tuned; noise is told to the Kalman filters as it is.)";
 
 }  // namespace
