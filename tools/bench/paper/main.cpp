@@ -144,9 +144,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   Arguments arguments;
   arguments.options.training = {.window = 16,
                                 .initialisation = train::Initialisation::kSpread,
-                                .turn_s = 0.7,
+                                .turn_s = 0.5,
                                 .stopping = train::Stopping::kNone,
-                                .epochs = 120,
+                                .epochs = 200,
                                 .batch = 8,
                                 .sequence_steps = 64,
                                 .burn_in = 16,

@@ -67,7 +67,7 @@ Figure panelOf(const Drawn& drawn, const Condition& condition, std::size_t joint
   figure.title = drawn.title;
   figure.y_label = axisOf(condition, static_cast<int>(joint));
   figure.series.push_back(lineOf("truth", kTruth, drawn.time_s, drawn.truth[joint]));
-  Series points = lineOf("network, tested steps", kNetwork, drawn.time_s, drawn.network[joint]);
+  Series points = lineOf("network", kNetwork, drawn.time_s, drawn.network[joint]);
   points.points = true;
   points.width = 0.2;
   figure.series.push_back(std::move(points));
@@ -160,10 +160,11 @@ void drawEstimates(const std::vector<Drawn>& tests, const Condition& condition, 
       figures.push_back(panelOf(test, condition, joint));
     }
   }
-  report::drawPng(figures,
-                  fmt::format("Figure {}: unknown dynamics and what the network says of it, experiment {}",
-                              number, numberOf(condition.experiment)),
-                  folder / fmt::format("figure_{:02}.png", number));
+  report::drawPng(
+      figures,
+      fmt::format("Figure {}: unknown dynamics, and what the network says at the tested steps, experiment {}",
+                  number, numberOf(condition.experiment)),
+      folder / fmt::format("figure_{:02}.png", number));
 }
 
 /// A copy of a curve within the zoom.
