@@ -53,6 +53,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 [[ $kernel =~ ^(rt|plain)$ ]] || { echo "run.sh: kernel '$kernel', expected rt or plain" >&2; exit 2; }
+[ -z "$add" ] || [ -d "$add" ] || { echo "run.sh: --add: no folder $add" >&2; exit 2; }
 [[ $time =~ ^(counted|wall)$ ]] || { echo "run.sh: time '$time', expected counted or wall" >&2; exit 2; }
 
 for tool in qemu-system-aarch64 python3 cpio; do
