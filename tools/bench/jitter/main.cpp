@@ -1,12 +1,16 @@
-// patella-bench-jitter: the loop's wake-up latency beside cyclictest's, in turns, under the same priority.
+// patella-bench-jitter: the loop's wake-up latency beside cyclictest's, in turns or at the same time, under
+// the same priority.
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -31,6 +35,7 @@ struct Arguments {
   int priority = 80;
   int rate_Hz = 1000;
   std::string cpus;
+  std::vector<int> together;
   bool loaded = false;
   fs::path out;
 };
@@ -44,8 +49,8 @@ std::string contents(const fs::path& path) {
 }
 
 /// The loop as it is shipped; its priority is the configuration's.
-Distribution runLoop(const Arguments& arguments, const fs::path& folder) {
-  const fs::path run = folder / "run";
+Distribution runLoop(const Arguments& arguments, const std::string& cpus) {
+  const fs::path run = arguments.out / "run";
   fs::remove_all(run);
   // On a machine that keeps it waiting too long the loop ends in a latched stop; it woke all the same.
   constexpr int kLatchedStop = 3;
@@ -61,10 +66,10 @@ Distribution runLoop(const Arguments& arguments, const fs::path& folder) {
                                    fmt::format("{}", arguments.seconds),
                                    "--out",
                                    run.string()};
-  if (!arguments.cpus.empty()) {
-    command.insert(command.end(), {"--cpus", arguments.cpus});
+  if (!cpus.empty()) {
+    command.insert(command.end(), {"--cpus", cpus});
   }
-  const int status = runProgram(command, folder / "loop.txt", kLatchedStop);
+  const int status = runProgram(command, arguments.out / "loop.txt", kLatchedStop);
   if (status == kLatchedStop) {
     fmt::print(stderr, "the loop ended in a latched stop\n");
   }
@@ -79,9 +84,9 @@ Distribution runLoop(const Arguments& arguments, const fs::path& folder) {
       patella::app::CsvTable::load(run / "ticks.csv", {.columns = {"wakeup_us"}}).column("wakeup_us"));
 }
 
-Distribution runCyclictest(const Arguments& arguments, const fs::path& folder) {
+Distribution runCyclictest(const Arguments& arguments, const std::string& cpus) {
   constexpr int kLongest_ns = 1'000'000;  // the most that it takes
-  const fs::path output = folder / "cyclictest.txt";
+  const fs::path output = arguments.out / "cyclictest.txt";
   // -D takes whole seconds; -l counts wake-ups.
   std::vector<std::string> command{
       "cyclictest", "-q",
@@ -91,15 +96,41 @@ Distribution runCyclictest(const Arguments& arguments, const fs::path& folder) {
       "-i",         std::to_string(1'000'000 / arguments.rate_Hz),
       "-h",         std::to_string(kLongest_ns),
       "-l",         std::to_string(static_cast<long>(arguments.seconds * arguments.rate_Hz))};
-  if (!arguments.cpus.empty()) {
-    command.insert(command.end(), {"-a", arguments.cpus});
+  if (!cpus.empty()) {
+    command.insert(command.end(), {"-a", cpus});
   }
   runProgram(command, output);
   return fromCyclictest(contents(output));
 }
 
+/// One after the other. Who goes first changes, so that neither profits from a machine that grows warmer or
+/// busier.
+Turn inTurns(const Arguments& arguments, int round) {
+  Turn turn;
+  for (const bool is_loop : {round % 2 == 0, round % 2 != 0}) {
+    (is_loop ? turn.loop : turn.cyclictest) =
+        is_loop ? runLoop(arguments, arguments.cpus) : runCyclictest(arguments, arguments.cpus);
+  }
+  return turn;
+}
+
+/// Both at once, on a processor each, which they exchange from round to round: when the host of a virtual
+/// machine takes all of it away, both are late.
+Turn together(const Arguments& arguments, int round) {
+  // The loop is up by then; cyclictest ends first or soon after, and neither is alone for long.
+  constexpr std::chrono::milliseconds kLead{500};
+  const std::size_t first = round % 2 == 0 ? 0 : 1;
+  std::future<Distribution> loop = std::async(
+      std::launch::async, [&] { return runLoop(arguments, std::to_string(arguments.together[first])); });
+  std::this_thread::sleep_for(kLead);
+  Turn turn;
+  turn.cyclictest = runCyclictest(arguments, std::to_string(arguments.together[1 - first]));
+  turn.loop = loop.get();
+  return turn;
+}
+
 Comparison compare(const Arguments& arguments, const std::string& condition) {
-  Comparison result{condition, {}, {}, {}};
+  Comparison result{condition, {}};
   std::optional<BackgroundProgram> load;
   if (condition == "loaded") {
     // Processors, memory, page cache, network loopback.
@@ -109,16 +140,8 @@ Comparison compare(const Arguments& arguments, const std::string& condition) {
         arguments.out / "stress-ng.txt");
   }
   for (int round = 0; round < arguments.rounds; ++round) {
-    // Who goes first changes, so that neither profits from a machine that grows warmer or busier.
-    Distribution loop;
-    Distribution cyclictest;
-    for (const bool is_loop : {round % 2 == 0, round % 2 != 0}) {
-      (is_loop ? loop : cyclictest) =
-          is_loop ? runLoop(arguments, arguments.out) : runCyclictest(arguments, arguments.out);
-    }
-    result.turn_ratios.push_back(loop.quantile_us(0.999) / cyclictest.quantile_us(0.999));
-    result.loop.merge(loop);
-    result.cyclictest.merge(cyclictest);
+    result.turns.push_back(arguments.together.empty() ? inTurns(arguments, round)
+                                                      : together(arguments, round));
     fmt::print(stderr, "{}: round {} of {}\n", condition, round + 1, arguments.rounds);
   }
   return result;
@@ -128,8 +151,8 @@ Comparison compare(const Arguments& arguments, const std::string& condition) {
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app(
-      "Wake-up latency of the loop beside cyclictest's (package rt-tests), in turns and under the same "
-      "priority.",
+      "Wake-up latency of the loop beside cyclictest's (package rt-tests), under the same priority, in turns "
+      "or at the same time.",
       "patella-bench-jitter");
   Arguments arguments;
   app.add_option("--loop", arguments.loop, "the program patella");
@@ -139,7 +162,16 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--rounds", arguments.rounds, "turns of each program")->check(CLI::Range(1, 10000));
   app.add_option("--priority", arguments.priority, "SCHED_FIFO; the configuration must say the same")
       ->check(CLI::Range(1, 99));
-  app.add_option("--cpus", arguments.cpus, "processors that both are bound to, as 2,3; empty: any");
+  CLI::Option* cpus =
+      app.add_option("--cpus", arguments.cpus, "processors that both are bound to, as 2,3; empty: any");
+  app.add_option(
+         "--together", arguments.together,
+         "both at the same time, bound to one of these two processors each, as 0,1; they exchange them "
+         "after each round")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::NonNegativeNumber)
+      ->excludes(cpus);
   app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")->check(CLI::Range(1, 20000));
   app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
   app.add_option("--out", arguments.out, "folder for jitter.csv, jitter.png and what the programs print")

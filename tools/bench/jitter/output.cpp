@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -24,10 +26,12 @@ std::string row(const std::string& condition, const char* program, const Distrib
   return text + fmt::format("{:>10.1f}\n", distribution.maximum_us());
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+Distribution pooled(const std::vector<Turn>& turns, Distribution Turn::*program) {
+  Distribution result;
+  for (const Turn& turn : turns) {
+    result.merge(turn.*program);
+  }
+  return result;
 }
 
 report::Series laterThan(const Distribution& distribution, const char* label, const char* colour) {
@@ -56,14 +60,17 @@ std::string table(const std::vector<Comparison>& comparisons) {
   }
   text += fmt::format("{:>10}\n", "max");
   for (const Comparison& one : comparisons) {
-    text += row(one.condition, "loop", one.loop) + row(one.condition, "cyclictest", one.cyclictest);
-    if (one.cyclictest.beyond() > 0) {
+    const Distribution cyclictest = pooled(one.turns, &Turn::cyclictest);
+    text += row(one.condition, "loop", pooled(one.turns, &Turn::loop)) +
+            row(one.condition, "cyclictest", cyclictest);
+    if (cyclictest.beyond() > 0) {
       text += fmt::format("{:<8} {} of cyclictest's beyond 1 ms, counted at the maximum\n", one.condition,
-                          one.cyclictest.beyond());
+                          cyclictest.beyond());
     }
-    text += fmt::format("{:<8} loop's p99.9 is {:.2f} times cyclictest's; median of {} turns {:.2f}\n",
-                        one.condition, one.loop.quantile_us(0.999) / one.cyclictest.quantile_us(0.999),
-                        one.turn_ratios.size(), median(one.turn_ratios));
+    const Ratio ratio = ratioOfP999(one.turns);
+    text += fmt::format(
+        "{:<8} loop's p99.9 is {:.2f} times cyclictest's ({:.2f} to {:.2f}, 95 % over {} turns)\n",
+        one.condition, ratio.all, ratio.low, ratio.high, one.turns.size());
   }
   return text;
 }
@@ -77,8 +84,8 @@ void draw(const std::vector<Comparison>& comparisons, const std::filesystem::pat
     figure.y_label = "fraction of wake-ups later";
     figure.log_x = true;
     figure.log_y = true;
-    figure.series = {laterThan(one.loop, "loop", "#0072B2"),
-                     laterThan(one.cyclictest, "cyclictest", "#D55E00")};
+    figure.series = {laterThan(pooled(one.turns, &Turn::loop), "loop", "#0072B2"),
+                     laterThan(pooled(one.turns, &Turn::cyclictest), "cyclictest", "#D55E00")};
     figures.push_back(std::move(figure));
   }
   report::drawPng(figures, "Wake-up latency of the loop beside cyclictest's, same run and priority", picture);
@@ -88,8 +95,9 @@ void writeCsv(const std::vector<Comparison>& comparisons, const std::filesystem:
   std::string text = "condition,program,upper_us,count\n";
   for (const Comparison& one : comparisons) {
     for (const auto& [program, distribution] :
-         {std::pair{"loop", &one.loop}, std::pair{"cyclictest", &one.cyclictest}}) {
-      for (const auto& [upper_us, count] : distribution->buckets()) {
+         {std::pair{"loop", pooled(one.turns, &Turn::loop)},
+          std::pair{"cyclictest", pooled(one.turns, &Turn::cyclictest)}}) {
+      for (const auto& [upper_us, count] : distribution.buckets()) {
         text += fmt::format("{},{},{:.3f},{}\n", one.condition, program, upper_us, count);
       }
     }

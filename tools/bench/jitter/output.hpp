@@ -5,18 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/jitter/distribution.hpp"
+#include "tools/bench/jitter/turn_ratio.hpp"
 
 namespace patella::bench {
 
 /// One condition, both programs.
 struct Comparison {
   std::string condition;  ///< "idle", "loaded"
-  Distribution loop;
-  Distribution cyclictest;
-  std::vector<double> turn_ratios;  ///< of the p99.9 in each turn, the loop's to cyclictest's
+  std::vector<Turn> turns;
 };
 
+/// Quantiles of both programs over all turns, and the ratio of their p99.9 with its interval.
 std::string table(const std::vector<Comparison>& comparisons);
 /// Fraction of wake-ups later than x, both programs in one figure for each condition.
 void draw(const std::vector<Comparison>& comparisons, const std::filesystem::path& picture);
