@@ -5,15 +5,28 @@
 #include <limits>
 #include <string_view>
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
+
+#include "tools/diagnose/elementary.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 /// Periods over the joint's range from which on a ripple is told from a bend.
 constexpr double kPlainCycles = 2.5;
+/// A spring that hardens, softens or stops bends like a polynomial of this order.
+constexpr int kSmoothOrder = 5;
+/// Of −2 log likelihood, by which a ripple of fewer periods has to explain more than such a spring, though it
+/// has no more parameters: four standard deviations.
+constexpr double kToldApart = 16.0;
 
-double positionRange(const Dataset& data, int joint) {
+struct Range {
+  double low;
+  double high;
+};
+
+Range positionRange(const Dataset& data, int joint) {
   double low = std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::lowest();
   for (const Series& series : data.series()) {
@@ -22,25 +35,72 @@ double positionRange(const Dataset& data, int joint) {
       high = std::max(high, state.q[joint]);
     }
   }
-  return high - low;
+  return {low, high};
 }
 
 bool bends(const Dataset& data, const Term& term) {
-  return term.recipe->kind == "torque_ripple" &&
-         term.nu[0] * positionRange(data, term.recipe->joint) < kPlainCycles;
+  const Range range = positionRange(data, term.recipe->joint);
+  return term.recipe->kind == "torque_ripple" && term.nu[0] * (range.high - range.low) < kPlainCycles;
 }
 
-// Torque of these terms as the fit has it.
-double torqueRms(const Dataset& data, const ModelFit& fit, const std::vector<std::size_t>& terms, int joint) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(data.rows());
+// Torque of these terms as the fit has it, as a Column.
+Eigen::VectorXd torqueOf(const ModelFit& fit, const std::vector<std::size_t>& terms) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(fit.residual.size());
   for (const std::size_t t : terms) {
     const auto& c = fit.terms[t].c;
     for (std::size_t k = 0; k < c.size(); ++k) {
-      sum += c[k] * fit.tangent.col(fit.offset[t] + static_cast<Eigen::Index>(k))
-                        .segment(joint * data.rows(), data.rows());
+      sum += c[k] * fit.tangent.col(fit.offset[t] + static_cast<Eigen::Index>(k));
     }
   }
-  return std::sqrt(sum.squaredNorm() / static_cast<double>(data.rows()));
+  return sum;
+}
+
+// Powers 0 … kSmoothOrder of the joint's position, its range brought to −1 … 1, as Columns.
+Eigen::MatrixXd polynomial(const Dataset& data, int joint) {
+  const Range range = positionRange(data, joint);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), kSmoothOrder + 1);
+  for (int power = 0; power <= kSmoothOrder; ++power) {
+    columns.col(power).segment(joint * data.rows(),
+                               data.rows()) = data.variable([&](const Series& series, std::size_t i) {
+      const double x = (2.0 * series.states[i].q[joint] - range.low - range.high) / (range.high - range.low);
+      return std::pow(x, power);
+    });
+  }
+  return columns;
+}
+
+// Weighted squared error with `columns` in the place of these terms, all other parameters taking up what they
+// can within what is known of them.
+double errorWith(const ModelFit& fit, const std::vector<std::size_t>& terms, const Eigen::MatrixXd& columns) {
+  std::vector<Eigen::Index> others;
+  for (Eigen::Index k = 0; k < fit.tangent.cols(); ++k) {
+    const bool replaced = std::any_of(terms.begin(), terms.end(), [&](std::size_t t) {
+      const auto size = static_cast<Eigen::Index>(fit.terms[t].c.size() + fit.terms[t].nu.size());
+      return k >= fit.offset[t] && k < fit.offset[t] + size;
+    });
+    if (!replaced) {
+      others.push_back(k);
+    }
+  }
+  const auto known = static_cast<Eigen::Index>(others.size());
+  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent(Eigen::all, others));
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(slope.rows() + known, known + columns.cols());
+  all.topLeftCorner(slope.rows(), known) = slope;
+  all.bottomLeftCorner(known, known) = fit.prior_weight(others).asDiagonal();
+  all.topRightCorner(slope.rows(), columns.cols()) = fit.weighting->apply(columns);
+  Eigen::VectorXd wanted(all.rows());
+  wanted << fit.weighting->apply(fit.residual + torqueOf(fit, terms)), fit.prior_residual(others);
+  // Columns are brought to one length, or the rank would depend on units.
+  const Eigen::VectorXd length = all.colwise().norm().cwiseMax(1e-150);
+  all = all * length.cwiseInverse().asDiagonal();
+  return (wanted - all * all.completeOrthogonalDecomposition().solve(wanted)).squaredNorm();
+}
+
+// Whether a smooth spring would explain what these terms do about as well.
+bool smoothDoes(const Dataset& data, const ModelFit& fit, const std::vector<std::size_t>& terms, int joint) {
+  const double named = fit.weighting->apply(fit.residual).squaredNorm() + fit.prior_residual.squaredNorm();
+  return errorWith(fit, terms, polynomial(data, joint)) - named <
+         kToldApart * fit.prior_scale * fit.prior_scale;
 }
 
 }  // namespace
@@ -72,10 +132,10 @@ std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& se
       found.push_back({.terms = terms,
                        .dependence = {.joint = joint,
                                       .variable = fmt::format("{}{}", stem, joint + 1),
-                                      .explained_Nm = torqueRms(data, selection.fit, terms, joint),
+                                      .explained_Nm = jointRms(data, torqueOf(selection.fit, terms), joint),
                                       .p_value = p_value}});
     };
-    if (bent && of_position.size() > 1) {
+    if (bent && of_position.size() > 1 && smoothDoes(data, selection.fit, of_position, joint)) {
       add(of_position, "q");
     }
     if (reflexes.size() > 1) {

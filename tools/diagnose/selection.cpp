@@ -14,6 +14,7 @@
 #include "tools/diagnose/gates.hpp"
 #include "tools/diagnose/ranking.hpp"
 #include "tools/diagnose/relations.hpp"
+#include "tools/diagnose/restatement.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -61,10 +62,7 @@ class Selector {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
     }
-    while (simplify()) {
-    }
-    unite("torque_bias", "asymmetric_friction", 2);
-    unite("stribeck_friction", "stribeck_friction", 2);
+    restate(fitter_, atoms_, unit_, result_);
     findRivals();
     return std::move(result_);
   }
@@ -227,91 +225,6 @@ class Selector {
         result_.evidence[t].gain = gain;
         ++t;
       }
-    }
-  }
-
-  // Puts a special case in the place of what contains it, where the rest is not worth its parameters: an
-  // early step did not know yet what the later ones found. False where all is as simple as it can be.
-  bool simplify() {
-    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
-      const Term& term = result_.fit.terms[t];
-      if (term.declared || !term.replaced.empty()) {
-        continue;
-      }
-      const ModelFit rest = without(t);
-      std::optional<ModelFit> best;
-      for (const Atom& atom : atoms_.items) {
-        if (atom.recipe->kind == term.recipe->kind || !contains(*term.recipe, *atom.recipe) ||
-            !atom.recipe->nonlinear.empty()) {
-          continue;
-        }
-        std::optional<ModelFit> start = withCandidate(fitter_, rest, atom, Screened{});
-        if (!start) {
-          continue;
-        }
-        ModelFit simple = fitter_.fit(std::move(*start), *result_.fit.weighting);
-        if (simple.at_edge.empty() && (!best || simple.objective < best->objective)) {
-          best = std::move(simple);
-        }
-      }
-      if (best && (best->objective - result_.fit.objective) / unit_ <
-                      cost_ * (parameters(result_.fit) - parameters(*best))) {
-        const auto place = result_.evidence.begin() + static_cast<std::ptrdiff_t>(t);
-        std::rotate(place, place + 1, result_.evidence.end());
-        result_.fit = std::move(*best);
-        return true;
-      }
-    }
-    return false;
-  }
-
-  std::optional<std::size_t> found(std::string_view kind, int joint) const {
-    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
-      const Term& term = result_.fit.terms[t];
-      // A coulomb_friction with a shape of its own is another.
-      const bool plain = term.recipe->nonlinear.empty() || kind != "coulomb_friction";
-      if (!term.declared && term.replaced.empty() && plain && term.recipe->kind == kind &&
-          term.recipe->joint == joint) {
-        return t;
-      }
-    }
-    return std::nullopt;
-  }
-
-  // Two findings that are one: dry friction and a bias are, by algebra, dry friction of two levels; dry
-  // friction and what comes on top of it near rest are Stribeck's.
-  void unite(std::string_view second, std::string_view both, std::size_t coefficients) {
-    for (const Atom& atom : atoms_.items) {
-      const Recipe& recipe = *atom.recipe;
-      if (recipe.kind != both || recipe.coefficients() != coefficients) {
-        continue;
-      }
-      const auto one = found("coulomb_friction", recipe.joint);
-      const auto other = found(second, recipe.joint);
-      if (!one || !other) {
-        continue;
-      }
-      const auto [low, high] = std::minmax(*one, *other);
-      const ModelFit rest = withoutTerm(withoutTerm(result_.fit, high), low);
-      std::optional<ModelFit> start =
-          withCandidate(fitter_, fitter_.fit(rest, *result_.fit.weighting), atom, Screened{});
-      if (!start) {
-        continue;
-      }
-      if (result_.fit.terms[*other].recipe->kind == both) {
-        start->terms.back().nu = result_.fit.terms[*other].nu;
-      }
-      ModelFit united = fitter_.fit(std::move(*start), *result_.fit.weighting);
-      if (!united.at_edge.empty() || united.objective > result_.fit.objective + unit_) {
-        continue;
-      }
-      Evidence evidence{.p_value = std::max(result_.evidence[low].p_value, result_.evidence[high].p_value),
-                        .gain = result_.evidence[low].gain + result_.evidence[high].gain,
-                        .rivals = {}};
-      result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(high));
-      result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(low));
-      result_.evidence.push_back(std::move(evidence));
-      result_.fit = std::move(united);
     }
   }
 

@@ -1,0 +1,190 @@
+#include "tools/diagnose/restatement.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/diagnose/candidate.hpp"
+#include "tools/diagnose/ranking.hpp"
+#include "tools/diagnose/relations.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+class Restatement {
+ public:
+  Restatement(ModelFitter& fitter, const Atoms& atoms, double unit, Selection& selection)
+      : fitter_(fitter),
+        atoms_(atoms),
+        unit_(unit),
+        cost_(parameterCost(selection.fit)),
+        selection_(selection) {}
+
+  void run() {
+    while (simplify()) {
+    }
+    unite("torque_bias", "asymmetric_friction", 2);
+    unite("stribeck_friction", "stribeck_friction", 2);
+    restateFriction();
+  }
+
+ private:
+  // Puts a special case in the place of what contains it, where the rest is not worth its parameters: an
+  // early step did not know yet what the later ones found. False where all is as simple as it can be.
+  bool simplify() {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (term.declared || !term.replaced.empty()) {
+        continue;
+      }
+      const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
+      std::optional<ModelFit> best;
+      for (const Atom& atom : atoms_.items) {
+        if (atom.recipe->kind == term.recipe->kind || !contains(*term.recipe, *atom.recipe) ||
+            !atom.recipe->nonlinear.empty()) {
+          continue;
+        }
+        std::optional<ModelFit> simple = added(rest, atom, atom.nu);
+        if (simple && simple->at_edge.empty() && (!best || simple->objective < best->objective)) {
+          best = std::move(simple);
+        }
+      }
+      if (best && (best->objective - selection_.fit.objective) / unit_ <
+                      cost_ * (parameters(selection_.fit) - parameters(*best))) {
+        const auto place = selection_.evidence.begin() + static_cast<std::ptrdiff_t>(t);
+        std::rotate(place, place + 1, selection_.evidence.end());
+        selection_.fit = std::move(*best);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  std::optional<std::size_t> found(std::string_view kind, int joint) const {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      // A coulomb_friction with a shape of its own is another.
+      const bool plain = term.recipe->nonlinear.empty() || kind != "coulomb_friction";
+      if (!term.declared && term.replaced.empty() && plain && term.recipe->kind == kind &&
+          term.recipe->joint == joint) {
+        return t;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Two findings that are one: dry friction and a bias are, by algebra, dry friction of two levels; dry
+  // friction and what comes on top of it near rest are Stribeck's.
+  void unite(std::string_view second, std::string_view both, std::size_t coefficients) {
+    for (const Atom& atom : atoms_.items) {
+      const Recipe& recipe = *atom.recipe;
+      if (recipe.kind != both || recipe.coefficients() != coefficients) {
+        continue;
+      }
+      const auto one = found("coulomb_friction", recipe.joint);
+      const auto other = found(second, recipe.joint);
+      if (!one || !other) {
+        continue;
+      }
+      const auto [low, high] = std::minmax(*one, *other);
+      const ModelFit rest = withoutTerm(withoutTerm(selection_.fit, high), low);
+      const Term& second_term = selection_.fit.terms[*other];
+      std::optional<ModelFit> united = added(fitter_.fit(rest, *selection_.fit.weighting), atom,
+                                             second_term.recipe->kind == both ? second_term.nu : atom.nu);
+      if (!united || !united->at_edge.empty() || united->objective > selection_.fit.objective + unit_) {
+        continue;
+      }
+      Evidence evidence{
+          .p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value),
+          .gain = selection_.evidence[low].gain + selection_.evidence[high].gain,
+          .rivals = {}};
+      selection_.evidence.erase(selection_.evidence.begin() + static_cast<std::ptrdiff_t>(high));
+      selection_.evidence.erase(selection_.evidence.begin() + static_cast<std::ptrdiff_t>(low));
+      selection_.evidence.push_back(std::move(evidence));
+      selection_.fit = std::move(*united);
+    }
+  }
+
+  // Two levels of friction that were found before Stribeck's peak may have stood for it: Stribeck's friction
+  // beside a bias and viscous friction, or without, takes their place where it says the same in fewer words.
+  void restateFriction() {
+    for (const Atom& stribeck : atoms_.items) {
+      if (stribeck.recipe->kind != "stribeck_friction") {
+        continue;
+      }
+      const auto levels = found("asymmetric_friction", stribeck.recipe->joint);
+      const auto peak = found("stribeck_friction", stribeck.recipe->joint);
+      if (!levels || !peak) {
+        continue;
+      }
+      const auto [low, high] = std::minmax(*levels, *peak);
+      std::optional<ModelFit> best = added(withoutTerm(withoutTerm(selection_.fit, high), low), stribeck,
+                                           selection_.fit.terms[*peak].nu);
+      if (!best) {
+        continue;
+      }
+      for (bool more = true; more;) {
+        more = false;
+        for (const Atom& atom : atoms_.items) {
+          if (atom.recipe->joint != stribeck.recipe->joint || !atom.recipe->nonlinear.empty() ||
+              (atom.recipe->kind != "viscous_friction" && atom.recipe->kind != "torque_bias")) {
+            continue;
+          }
+          std::optional<ModelFit> larger = added(*best, atom, atom.nu);
+          if (larger && worth(*larger) < worth(*best)) {
+            best = std::move(larger);
+            more = true;
+          }
+        }
+      }
+      if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit)) {
+        selection_.evidence =
+            carriedOver(*best, std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value));
+        selection_.fit = std::move(*best);
+      }
+    }
+  }
+
+  // Evidence of the terms that a fit shares with the selection; new ones have this p.
+  std::vector<Evidence> carriedOver(const ModelFit& fit, double p_value) const {
+    std::vector<Evidence> evidence;
+    for (const Term& term : fit.terms) {
+      const auto& old = selection_.fit.terms;
+      const auto same =
+          std::find_if(old.begin(), old.end(), [&](const Term& t) { return t.recipe == term.recipe; });
+      evidence.push_back(same != old.end()
+                             ? selection_.evidence[static_cast<std::size_t>(same - old.begin())]
+                             : Evidence{.p_value = term.declared ? 1.0 : p_value, .gain = 0.0, .rivals = {}});
+    }
+    return evidence;
+  }
+
+  // The fit with one more effect; empty where that gives nothing of its own.
+  std::optional<ModelFit> added(const ModelFit& fit, const Atom& atom, const std::vector<double>& nu) {
+    std::optional<ModelFit> start = withCandidate(fitter_, fit, atom, Screened{});
+    if (!start) {
+      return std::nullopt;
+    }
+    start->terms.back().nu = nu;
+    return fitter_.fit(std::move(*start), *selection_.fit.weighting);
+  }
+
+  // What a fit leaves and what its parameters cost.
+  double worth(const ModelFit& fit) const { return fit.objective + unit_ * cost_ * parametersInUse(fit); }
+
+  ModelFitter& fitter_;
+  const Atoms& atoms_;
+  double unit_;
+  double cost_;
+  Selection& selection_;
+};
+
+}  // namespace
+
+void restate(ModelFitter& fitter, const Atoms& atoms, double unit, Selection& selection) {
+  Restatement(fitter, atoms, unit, selection).run();
+}
+
+}  // namespace patella::diagnose
