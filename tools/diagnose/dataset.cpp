@@ -321,12 +321,13 @@ Column Dataset::askedEffectTorque(model::Effect& effect) const {
                 });
 }
 
-std::vector<Column> Dataset::regressor(const model::Mechanism& mechanism) const {
-  std::vector<Column> columns;
+Eigen::MatrixXd Dataset::regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const {
+  Eigen::MatrixXd columns(rows() * joints(), mechanism.baseParameterCount());
   for (int k = 0; k < mechanism.baseParameterCount(); ++k) {
-    columns.push_back(column({}, [&](const Series& series, std::size_t i) -> JointVector {
-      return mechanism.regressor(series.states[i].q, series.states[i].dq, series.acceleration[i]).col(k);
-    }));
+    columns.col(k) = column({}, [&](const Series& series, std::size_t i) -> JointVector {
+      return mechanism.regressor(series.states[i].q + offset_rad, series.states[i].dq, series.acceleration[i])
+          .col(k);
+    });
   }
   return columns;
 }

@@ -78,8 +78,8 @@ class Dataset {
   Column effectTorque(model::Effect& effect) const;
   /// The same, driven by the part of the torque that the motion asked for.
   Column askedEffectTorque(model::Effect& effect) const;
-  /// Columns of the mechanism's regressor.
-  std::vector<Column> regressor(const model::Mechanism& mechanism) const;
+  /// Columns of the mechanism's regressor, as if it stood at q + offset where q is measured; as Columns.
+  Eigen::MatrixXd regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const;
   /// A variable of one joint's state through the band, as `rows()` values.
   Eigen::VectorXd variable(const std::function<double(const Series&, std::size_t)>& value) const;
   /// Time of each row, s.

@@ -179,11 +179,7 @@ ModelFitter::ModelFitter(const Dataset& data, const app::ModelDescription& nomin
     values_.push_back(*parameter.value);
   }
   const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal.mechanism, .effects = {}});
-  const std::vector<Column> columns = data.regressor(dynamics.mechanism());
-  regressor_.resize(columns.front().size(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    regressor_.col(static_cast<Eigen::Index>(k)) = columns[k];
-  }
+  regressor_ = data.regressor(dynamics.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
   fixed_torque_ = Eigen::VectorXd::Zero(torque_.size());
   addDeclared(nominal);
@@ -192,11 +188,26 @@ ModelFitter::ModelFitter(const Dataset& data, const app::ModelDescription& nomin
 }
 
 Eigen::VectorXd ModelFitter::unexplained(const ModelFit& fit) {
-  Eigen::VectorXd rest = torque_ - fixed_torque_ - mechanismTorque(fit.mechanism);
+  return torque_ - scaled(fit, toGive(fit));
+}
+
+Eigen::VectorXd ModelFitter::toGive(const ModelFit& fit) {
+  Eigen::VectorXd sum = fixed_torque_ + regressorOf(fit) * baseParameters(mechanismAt(fit.mechanism));
   for (const Term& term : fit.terms) {
-    rest -= torque(term);
+    if (!term.recipe->scales_all && !term.recipe->shifts_angle) {
+      sum += torque(term);
+    }
   }
-  return rest;
+  return sum;
+}
+
+Eigen::MatrixXd ModelFitter::scaled(const ModelFit& fit, Eigen::MatrixXd columns) const {
+  for (const Term& term : fit.terms) {
+    if (term.recipe->scales_all) {
+      columns.middleRows(term.recipe->joint * data_->rows(), data_->rows()) *= 1.0 - term.c[0];
+    }
+  }
+  return columns;
 }
 
 void ModelFitter::addDeclared(const app::ModelDescription& nominal) {
@@ -227,19 +238,39 @@ app::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logar
   return mechanism;
 }
 
-Eigen::VectorXd ModelFitter::mechanismTorque(std::span<const double> logarithms) const {
-  return regressor_ * baseParameters(mechanismAt(logarithms));
+Eigen::MatrixXd ModelFitter::shift(int joint, double angle_rad) {
+  return cached(fmt::format("shift {} {}", joint, angle_rad), [&] {
+    JointVector offset_rad = JointVector::Zero(data_->joints());
+    offset_rad[joint] = angle_rad;
+    const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
+    return Eigen::MatrixXd(data_->regressor(dynamics.mechanism(), offset_rad) - regressor_);
+  });
 }
 
-Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double> nu) {
-  const std::string key = cacheKey(recipe, nu);
+Eigen::MatrixXd ModelFitter::regressorOf(const ModelFit& fit) {
+  Eigen::MatrixXd regressor = regressor_;
+  for (const Term& term : fit.terms) {
+    if (term.recipe->shifts_angle) {
+      regressor += shift(term.recipe->joint, term.nu[0]);
+    }
+  }
+  return regressor;
+}
+
+// What was worked out under this name before, or is now.
+Eigen::MatrixXd ModelFitter::cached(const std::string& key,
+                                           const std::function<Eigen::MatrixXd()>& work_out) {
   if (const auto found = cache_.find(key); found != cache_.end()) {
     return found->second;
   }
   if (cache_.size() > kCachedBases) {
     cache_.clear();
   }
-  if (recipe.kind == "torque_gain") {
+  return cache_.emplace(key, work_out()).first->second;
+}
+
+Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double> nu) {
+  if (recipe.scales_all) {
     // In proportion to the torque that the nominal model asks for. The recorded one holds the noise that a
     // fit is to leave, and whatever is missing: a gain of −1 would explain them all.
     const Eigen::Index rows = data_->rows();
@@ -247,32 +278,39 @@ Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double>
     column.col(0).segment(recipe.joint * rows, rows) = -nominal_torque_.segment(recipe.joint * rows, rows);
     return column;
   }
-  const auto bases = recipe.basis(nu);
   const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));
-  for (std::size_t i = 0; i < bases.size(); ++i) {
-    for (const BasisTerm& term : bases[i]) {
-      const auto effect = model::makeEffect(recipe.kind, recipe.joint, dynamics.mechanism(), term.parameters);
-      columns.col(static_cast<Eigen::Index>(i)) +=
-          term.weight *
-          (recipe.by_asked_torque ? data_->askedEffectTorque(*effect) : data_->effectTorque(*effect));
-    }
+  if (recipe.shifts_angle) {
+    return shift(recipe.joint, nu[0]) * dynamics.mechanism().baseParameters();
   }
-  cache_.emplace(key, columns);
-  return columns;
+  return cached(cacheKey(recipe, nu), [&] {
+    const auto bases = recipe.basis(nu);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));
+    for (std::size_t i = 0; i < bases.size(); ++i) {
+      for (const BasisTerm& term : bases[i]) {
+        const auto effect =
+            model::makeEffect(recipe.kind, recipe.joint, dynamics.mechanism(), term.parameters);
+        columns.col(static_cast<Eigen::Index>(i)) +=
+            term.weight *
+            (recipe.by_asked_torque ? data_->askedEffectTorque(*effect) : data_->effectTorque(*effect));
+      }
+    }
+    return columns;
+  });
 }
 
 // Residual and derivatives by every free parameter at the fit's present values.
 void ModelFitter::linearise(ModelFit& fit) {
-  fit.residual = unexplained(fit);
+  const Eigen::VectorXd to_give = toGive(fit);
+  fit.residual = torque_ - scaled(fit, to_give);
   fit.tangent.resize(torque_.size(), fit.prior_weight.size());
   const auto mechanisms = static_cast<Eigen::Index>(fit.mechanism.size());
+  const Eigen::MatrixXd regressor = regressorOf(fit);
   const model::BaseParameters base = baseParameters(mechanismAt(fit.mechanism));
   for (Eigen::Index i = 0; i < mechanisms; ++i) {
     std::vector<double> moved = fit.mechanism;
     moved[static_cast<std::size_t>(i)] += kRelativeStep;
     const model::BaseParameters slope = (baseParameters(mechanismAt(moved)) - base) / kRelativeStep;
-    fit.tangent.col(i) = regressor_ * slope;
+    fit.tangent.col(i) = regressor * slope;
   }
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     const Term& term = fit.terms[t];
@@ -285,8 +323,21 @@ void ModelFitter::linearise(ModelFit& fit) {
       std::vector<double> moved = term.nu;
       const double step = range.step > 0.0 ? range.step : 1e-3 * (range.upper - range.lower);
       moved[k] += moved[k] + step > range.upper ? -step : step;
+      const Eigen::VectorXd change =
+          term.recipe->shifts_angle
+              ? Eigen::VectorXd(
+                    (shift(term.recipe->joint, moved[0]) - shift(term.recipe->joint, term.nu[0])) * base)
+              : Eigen::VectorXd(weighted(basis(*term.recipe, moved), term.c) - value);
       fit.tangent.col(fit.offset[t] + coefficients + static_cast<Eigen::Index>(k)) =
-          (weighted(basis(*term.recipe, moved), term.c) - value) / (moved[k] - term.nu[k]);
+          change / (moved[k] - term.nu[k]);
+    }
+  }
+  fit.tangent = scaled(fit, std::move(fit.tangent));
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    if (fit.terms[t].recipe->scales_all) {
+      const Eigen::Index first = fit.terms[t].recipe->joint * data_->rows();
+      fit.tangent.col(fit.offset[t]).setZero();
+      fit.tangent.col(fit.offset[t]).segment(first, data_->rows()) = -to_give.segment(first, data_->rows());
     }
   }
 }
@@ -358,15 +409,15 @@ ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
   }
   fit.prior_scale = prior_scale_;
   fit.prior_weight *= prior_scale_;
-  auto scaled = std::make_shared<const Weighting>(weighting);
+  auto current = std::make_shared<const Weighting>(weighting);
   for (int round = 0; round < options_.rounds; ++round) {
-    solve(fit, *scaled);
+    solve(fit, *current);
     linearise(fit);
-    scaled = std::make_shared<const Weighting>(weighting.rescaled(fit.residual));
+    current = std::make_shared<const Weighting>(weighting.rescaled(fit.residual));
   }
-  fit.weighting = scaled;
+  fit.weighting = current;
   fit.prior_residual = -Cost::priorResiduals(fit);
-  fit.objective = scaled->objective(fit.residual) + fit.prior_residual.squaredNorm();
+  fit.objective = current->objective(fit.residual) + fit.prior_residual.squaredNorm();
   findEdges(fit);
   return fit;
 }

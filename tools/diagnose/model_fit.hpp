@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -91,8 +92,16 @@ class ModelFitter {
  private:
   class Cost;
   app::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
-  Eigen::VectorXd mechanismTorque(std::span<const double> logarithms) const;
+  /// What Recipe::shifts_angle adds to the mechanism's regressor.
+  Eigen::MatrixXd shift(int joint, double angle_rad);
+  /// Regressor of the mechanism where it stands.
+  Eigen::MatrixXd regressorOf(const ModelFit& fit);
+  /// What the drives would have to give if they gave what they are told, as a Column.
+  Eigen::VectorXd toGive(const ModelFit& fit);
+  /// Columns of such torques as the drives are told (Recipe::scales_all).
+  Eigen::MatrixXd scaled(const ModelFit& fit, Eigen::MatrixXd columns) const;
   Eigen::VectorXd unexplained(const ModelFit& fit);
+  Eigen::MatrixXd cached(const std::string& key, const std::function<Eigen::MatrixXd()>& work_out);
   void solve(ModelFit& fit, const Weighting& weighting);
   void linearise(ModelFit& fit);
   static void findEdges(ModelFit& fit);

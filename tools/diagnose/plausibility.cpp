@@ -72,9 +72,9 @@ Regression regressionOf(const Dataset& data, const app::ModelDescription& model)
   std::vector<Column> columns;
   const model::DynamicsModel bare = app::makeModel({.mechanism = model.mechanism, .effects = {}});
   const model::BaseParameters base = bare.mechanism().baseParameters();
-  const std::vector<Column> regressor = data.regressor(bare.mechanism());
-  for (std::size_t k = 0; k < regressor.size(); ++k) {
-    columns.push_back(base[static_cast<Eigen::Index>(k)] * regressor[k]);
+  const Eigen::MatrixXd regressor = data.regressor(bare.mechanism(), JointVector::Zero(data.joints()));
+  for (Eigen::Index k = 0; k < regressor.cols(); ++k) {
+    columns.emplace_back(base[k] * regressor.col(k));
   }
   for (const app::EffectDescription& effect : model.effects) {
     columns.push_back(data.effectTorque(

@@ -51,6 +51,11 @@ struct Recipe {
   std::function<std::string(std::span<const double> c)> beyond;
   /// The torque is nearly proportional to ν[0], so that a first estimate follows from any point of the grid.
   bool proportional = false;
+  /// The drive gives more or less than it was told: all that the other effects and the mechanism take from it
+  /// counts 1 − c times.
+  bool scales_all = false;
+  /// The mechanism stands at q + ν[0] where q is measured.
+  bool shifts_angle = false;
   /// Driven by the part of the torque that the motion asked for (see Series).
   bool by_asked_torque = false;
 

@@ -55,6 +55,7 @@ Recipe encoderOffset(const Motion& motion) {
   recipe.nonlinear = {{.lower = -0.25, .upper = 0.25}};
   recipe.grid = product({{-0.02, 0.02}});
   recipe.proportional = true;
+  recipe.shifts_angle = true;
   recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
     return Parameters("encoder_offset").set("offset_rad", nu[0]);
   };
@@ -133,6 +134,18 @@ Recipe thermalDrift(const Motion& motion, const char* what, double smoothing) {
   return recipe;
 }
 
+// (1 + gain_error) u = τ for all torques τ that the drive's u has to give, so that u = (1 − c) τ.
+Recipe torqueGain(const Motion& motion) {
+  Recipe recipe = start("torque_gain", motion, {false});
+  // Anything large that goes with the torque would pass for a gain of almost −1.
+  recipe.largest = 0.5;
+  recipe.scales_all = true;
+  recipe.parameters = [](Numbers c, Numbers) -> std::vector<double> {
+    return Parameters("torque_gain").set("gain_error", c[0] / (1.0 - c[0]));
+  };
+  return recipe;
+}
+
 }  // namespace
 
 void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>& all) {
@@ -147,9 +160,7 @@ void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>
   } else if (kind == "torque_ripple" && rippleFits(motion)) {
     all.push_back(torqueRipple(motion));
   } else if (kind == "torque_gain") {
-    all.push_back(single("torque_gain", motion, "gain_error", false));
-    // Anything large that goes with the torque would pass for a gain of almost −1.
-    all.back().largest = 0.5;
+    all.push_back(torqueGain(motion));
   } else if (kind == "torque_bias") {
     all.push_back(single("torque_bias", motion, "bias_Nm", false));
   } else if (kind == "actuator_lag") {

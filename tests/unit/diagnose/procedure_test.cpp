@@ -42,6 +42,50 @@ TEST_CASE("an effect that the model lacks is named on its joint, and its error g
   }
 }
 
+TEST_CASE("what multiplies or shifts the mechanism's own torque is measured though its masses are wrong") {
+  for (const std::string kind : {"torque_gain", "encoder_offset"}) {
+    CAPTURE(kind);
+    const Case drawn = strong(kind.c_str());
+    const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+    REQUIRE(diagnosis.effects.size() == 1);
+    const diagnose::EffectFinding& found = diagnosis.effects.front();
+    REQUIRE(found.kind == kind);
+    const double truth = drawn.effects.front().effect.p.front();
+    CHECK(found.parameters.front().ci95[0] < truth);
+    CHECK(found.parameters.front().ci95[1] > truth);
+
+    // What was found is declared now: it is neither missing nor counted twice.
+    Case declared = drawn;
+    declared.nominal = diagnosis.extended;
+    const diagnose::Diagnosis again = diagnosed(declared);
+    CHECK(again.verdict == diagnose::Verdict::kNothingMissing);
+  }
+}
+
+TEST_CASE("a ripple of few periods beside a spring is told from a spring that hardens") {
+  const diagnose::Diagnosis two =
+      diagnosed(drawCase(81000076, Suite::kDouble, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  CHECK(two.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(two.effects.size() == 2);
+  for (const diagnose::EffectFinding& found : two.effects) {
+    CHECK((found.kind == "torque_ripple" || found.kind == "linear_stiffness"));
+  }
+
+  const diagnose::Diagnosis hardening =
+      diagnosed(drawCase(81000059, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  CHECK(hardening.verdict == diagnose::Verdict::kUnknownEffect);
+  REQUIRE(!hardening.unexplained.empty());
+  CHECK(hardening.unexplained.front().variable == "q1");
+}
+
+TEST_CASE("friction with a peak at rest beside viscous friction goes by these names") {
+  const diagnose::Diagnosis diagnosis =
+      diagnosed(drawCase(81000096, Suite::kDouble, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  REQUIRE(diagnosis.effects.size() == 2);
+  CHECK(diagnosis.effects[0].kind == "stribeck_friction");
+  CHECK(diagnosis.effects[1].kind == "viscous_friction");
+}
+
 TEST_CASE("wrong masses are no effect") {
   for (std::uint64_t seed = 3000001; seed <= 3000004; ++seed) {
     CAPTURE(seed);
