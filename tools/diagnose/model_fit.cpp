@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/declared.hpp"
+#include "tools/diagnose/physical_parameters.hpp"
 #include "tools/diagnose/recipe_names.hpp"
 
 namespace patella::diagnose {
@@ -22,34 +23,8 @@ constexpr double kLargestLogarithm = 1.5;
 constexpr double kRelativeStep = 1e-4;
 constexpr int kIterations = 25;
 constexpr double kNearBound = 0.02;
-/// Of the residual: a coefficient whose torque is less is zero.
-constexpr double kNextToNothing = 1e-3;
 /// Square of the standard deviations by which a coefficient at zero would have to be negative.
 constexpr double kPulled = 9.0;
-
-struct PhysicalParameter {
-  std::string name;
-  double* value;
-};
-
-std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism) {
-  std::vector<PhysicalParameter> all;
-  if (auto* leg = std::get_if<model::PlanarTwoLinkParameters>(&mechanism)) {
-    for (std::size_t link = 0; link < 2; ++link) {
-      const std::string index = fmt::format("[{}]", link + 1);
-      all.push_back({"mass_kg" + index, &leg->mass_kg[link]});
-      all.push_back({"com_m" + index, &leg->com_m[link]});
-      all.push_back({"inertia_kg_m2" + index, &leg->inertia_kg_m2[link]});
-    }
-  } else if (auto* joint = std::get_if<model::RevoluteJointParameters>(&mechanism)) {
-    all.push_back({"inertia_kg_m2", &joint->inertia_kg_m2});
-    all.push_back({"moment_kg_m", &joint->moment_kg_m});
-  } else {
-    all.push_back({"mass_kg", &std::get<model::PrismaticJointParameters>(mechanism).mass_kg});
-  }
-  std::erase_if(all, [](const PhysicalParameter& item) { return *item.value == 0.0; });
-  return all;
-}
 
 model::BaseParameters baseParameters(const app::MechanismDescription& mechanism) {
   return app::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
@@ -259,7 +234,7 @@ Eigen::MatrixXd ModelFitter::regressorOf(const ModelFit& fit) {
 
 // What was worked out under this name before, or is now.
 Eigen::MatrixXd ModelFitter::cached(const std::string& key,
-                                           const std::function<Eigen::MatrixXd()>& work_out) {
+                                    const std::function<Eigen::MatrixXd()>& work_out) {
   if (const auto found = cache_.find(key); found != cache_.end()) {
     return found->second;
   }

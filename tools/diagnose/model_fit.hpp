@@ -18,6 +18,9 @@
 
 namespace patella::diagnose {
 
+/// Of the residual: a coefficient whose torque is less is zero.
+inline constexpr double kNextToNothing = 1e-3;
+
 /// An effect in the fit.
 struct Term {
   std::shared_ptr<const Recipe> recipe;

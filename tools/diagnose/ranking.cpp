@@ -10,9 +10,6 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of the residual: a coefficient whose torque is less is zero.
-constexpr double kNextToNothing = 1e-3;
-
 // The coefficient that the screening, which knows no signs, would make most of where physics does not allow
 // its sign; empty where there is none.
 std::string wrongSign(ModelFitter& fitter, const Candidate& candidate) {

@@ -108,7 +108,8 @@ class Restatement {
   }
 
   // Two levels of friction that were found before Stribeck's peak may have stood for it: Stribeck's friction
-  // beside a bias and viscous friction, or without, takes their place where it says the same in fewer words.
+  // beside a bias and viscous friction, or without, takes their place where it says about the same in no more
+  // words.
   void restateFriction() {
     for (const Atom& stribeck : atoms_.items) {
       if (stribeck.recipe->kind != "stribeck_friction") {
@@ -139,7 +140,7 @@ class Restatement {
           }
         }
       }
-      if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit)) {
+      if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
         selection_.evidence =
             carriedOver(*best, std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value));
         selection_.fit = std::move(*best);
@@ -171,8 +172,14 @@ class Restatement {
     return fitter_.fit(std::move(*start), *selection_.fit.weighting);
   }
 
-  // What a fit leaves and what its parameters cost.
-  double worth(const ModelFit& fit) const { return fit.objective + unit_ * cost_ * parametersInUse(fit); }
+  // What a fit leaves and what its parameters cost, those that the model had already left out.
+  double worth(const ModelFit& fit) const {
+    double declared = 0.0;
+    for (const Term& term : fit.terms) {
+      declared += term.declared ? static_cast<double>(term.c.size() + term.nu.size()) : 0.0;
+    }
+    return fit.objective + unit_ * cost_ * (parametersInUse(fit) - declared);
+  }
 
   ModelFitter& fitter_;
   const Atoms& atoms_;

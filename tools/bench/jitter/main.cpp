@@ -183,7 +183,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   }
   try {
     fs::create_directories(arguments.out);
-    std::vector<Comparison> comparisons{compare(arguments, "idle")};
+    std::vector<Comparison> comparisons{compare(arguments, "as is")};
     if (arguments.loaded) {
       comparisons.push_back(compare(arguments, "loaded"));
     }

@@ -80,6 +80,7 @@ void draw(const std::vector<Comparison>& comparisons, const std::filesystem::pat
   for (const Comparison& one : comparisons) {
     report::Figure figure;
     figure.title = one.condition;
+    figure.wide = comparisons.size() == 1;
     figure.x_label = "latency / µs";
     figure.y_label = "fraction of wake-ups later";
     figure.log_x = true;

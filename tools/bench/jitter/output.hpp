@@ -11,7 +11,7 @@ namespace patella::bench {
 
 /// One condition, both programs.
 struct Comparison {
-  std::string condition;  ///< "idle", "loaded"
+  std::string condition;  ///< of the machine: "as is", "loaded"
   std::vector<Turn> turns;
 };
 

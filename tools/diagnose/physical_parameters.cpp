@@ -1,0 +1,28 @@
+#include "tools/diagnose/physical_parameters.hpp"
+
+#include <variant>
+
+#include <fmt/format.h>
+
+namespace patella::diagnose {
+
+std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism) {
+  std::vector<PhysicalParameter> all;
+  if (auto* leg = std::get_if<model::PlanarTwoLinkParameters>(&mechanism)) {
+    for (std::size_t link = 0; link < 2; ++link) {
+      const std::string index = fmt::format("[{}]", link + 1);
+      all.push_back({"mass_kg" + index, &leg->mass_kg[link]});
+      all.push_back({"com_m" + index, &leg->com_m[link]});
+      all.push_back({"inertia_kg_m2" + index, &leg->inertia_kg_m2[link]});
+    }
+  } else if (auto* joint = std::get_if<model::RevoluteJointParameters>(&mechanism)) {
+    all.push_back({"inertia_kg_m2", &joint->inertia_kg_m2});
+    all.push_back({"moment_kg_m", &joint->moment_kg_m});
+  } else {
+    all.push_back({"mass_kg", &std::get<model::PrismaticJointParameters>(mechanism).mass_kg});
+  }
+  std::erase_if(all, [](const PhysicalParameter& item) { return *item.value == 0.0; });
+  return all;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,19 @@
+// The numbers of a mechanism that a fit may move: masses, centres of mass, inertias.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware_app/files/model_file.hpp"
+
+namespace patella::diagnose {
+
+struct PhysicalParameter {
+  std::string name;  ///< as in the model's file, with the link's number: "com_m[2]"
+  double* value;
+};
+
+/// Of `mechanism`, which must outlive them; without those that are zero, which have no ratio.
+std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism);
+
+}  // namespace patella::diagnose
