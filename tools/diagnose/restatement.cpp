@@ -36,14 +36,15 @@ class Restatement {
   bool simplify() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       const Term& term = selection_.fit.terms[t];
-      if (term.declared || !term.replaced.empty()) {
+      if (term.declared) {
         continue;
       }
       const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
       std::optional<ModelFit> best;
       for (const Atom& atom : atoms_.items) {
-        if (atom.recipe->kind == term.recipe->kind || !contains(*term.recipe, *atom.recipe) ||
-            !atom.recipe->nonlinear.empty()) {
+        const bool same =
+            atom.recipe->kind == term.recipe->kind && atom.recipe->coefficients() >= term.c.size();
+        if (same || !contains(*term.recipe, *atom.recipe) || !atom.recipe->nonlinear.empty()) {
           continue;
         }
         std::optional<ModelFit> simple = added(rest, atom, atom.nu);
@@ -51,11 +52,8 @@ class Restatement {
           best = std::move(simple);
         }
       }
-      if (best && (best->objective - selection_.fit.objective) / unit_ <
-                      cost_ * (parameters(selection_.fit) - parameters(*best))) {
-        const auto place = selection_.evidence.begin() + static_cast<std::ptrdiff_t>(t);
-        std::rotate(place, place + 1, selection_.evidence.end());
-        selection_.fit = std::move(*best);
+      if (best && worth(*best) < worth(selection_.fit)) {
+        take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
     }
@@ -67,8 +65,7 @@ class Restatement {
       const Term& term = selection_.fit.terms[t];
       // A coulomb_friction with a shape of its own is another.
       const bool plain = term.recipe->nonlinear.empty() || kind != "coulomb_friction";
-      if (!term.declared && term.replaced.empty() && plain && term.recipe->kind == kind &&
-          term.recipe->joint == joint) {
+      if (!term.declared && plain && term.recipe->kind == kind && term.recipe->joint == joint) {
         return t;
       }
     }
@@ -89,21 +86,15 @@ class Restatement {
         continue;
       }
       const auto [low, high] = std::minmax(*one, *other);
-      const ModelFit rest = withoutTerm(withoutTerm(selection_.fit, high), low);
+      const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
+      const ModelFit rest = without(low, high);
       const Term& second_term = selection_.fit.terms[*other];
       std::optional<ModelFit> united = added(fitter_.fit(rest, *selection_.fit.weighting), atom,
                                              second_term.recipe->kind == both ? second_term.nu : atom.nu);
       if (!united || !united->at_edge.empty() || united->objective > selection_.fit.objective + unit_) {
         continue;
       }
-      Evidence evidence{
-          .p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value),
-          .gain = selection_.evidence[low].gain + selection_.evidence[high].gain,
-          .rivals = {}};
-      selection_.evidence.erase(selection_.evidence.begin() + static_cast<std::ptrdiff_t>(high));
-      selection_.evidence.erase(selection_.evidence.begin() + static_cast<std::ptrdiff_t>(low));
-      selection_.evidence.push_back(std::move(evidence));
-      selection_.fit = std::move(*united);
+      take(std::move(*united), p_value);
     }
   }
 
@@ -121,8 +112,8 @@ class Restatement {
         continue;
       }
       const auto [low, high] = std::minmax(*levels, *peak);
-      std::optional<ModelFit> best = added(withoutTerm(withoutTerm(selection_.fit, high), low), stribeck,
-                                           selection_.fit.terms[*peak].nu);
+      const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
+      std::optional<ModelFit> best = added(without(low, high), stribeck, selection_.fit.terms[*peak].nu);
       if (!best) {
         continue;
       }
@@ -141,15 +132,13 @@ class Restatement {
         }
       }
       if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
-        selection_.evidence =
-            carriedOver(*best, std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value));
-        selection_.fit = std::move(*best);
+        take(std::move(*best), p_value);
       }
     }
   }
 
-  // Evidence of the terms that a fit shares with the selection; new ones have this p.
-  std::vector<Evidence> carriedOver(const ModelFit& fit, double p_value) const {
+  // Evidence of terms that were there already goes with them; new ones have this p.
+  void take(ModelFit fit, double p_value) {
     std::vector<Evidence> evidence;
     for (const Term& term : fit.terms) {
       const auto& old = selection_.fit.terms;
@@ -159,7 +148,15 @@ class Restatement {
                              ? selection_.evidence[static_cast<std::size_t>(same - old.begin())]
                              : Evidence{.p_value = term.declared ? 1.0 : p_value, .gain = 0.0, .rivals = {}});
     }
-    return evidence;
+    selection_.evidence = std::move(evidence);
+    selection_.fit = std::move(fit);
+  }
+
+  // The terms without two of them, the lower first; not fitted.
+  ModelFit without(std::size_t low, std::size_t high) const {
+    // Declared terms that come back stand first.
+    const std::size_t moved = low + selection_.fit.terms[high].replaced.size();
+    return withoutTerm(withoutTerm(selection_.fit, high), moved);
   }
 
   // The fit with one more effect; empty where that gives nothing of its own.
