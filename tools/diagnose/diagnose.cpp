@@ -244,6 +244,7 @@ class Procedure {
     for (const LateDrive& late : late_) {
       addFinding(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence);
     }
+    addConfoundsBetween(result_.effects);
     addTremor(fitter.describe(selection.fit));
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
     const double explained = selection.fit.weighting->objective(missing) -

@@ -61,6 +61,22 @@ void addConfounds(EffectFinding& finding, int joints) {
   }
 }
 
+void addConfoundsBetween(std::vector<EffectFinding>& findings) {
+  for (EffectFinding& friction : findings) {
+    const bool constant_beside =
+        std::any_of(findings.begin(), findings.end(), [&](const EffectFinding& other) {
+          return other.joint == friction.joint &&
+                 (other.kind == "linear_stiffness" || other.kind == "passive_knee_moment");
+        });
+    auto& known = friction.indistinguishable_from;
+    if (friction.kind == "coulomb_friction" && constant_beside &&
+        std::find(known.begin(), known.end(), "asymmetric_friction") == known.end()) {
+      known.emplace_back("asymmetric_friction");
+      friction.separating_motion = separatingMotion(friction.kind);
+    }
+  }
+}
+
 std::optional<EffectFinding> tremorFinding(const Dataset& wide, const Column& left,
                                            std::span<const EffectFinding> found) {
   const auto line = findTremorLine(wide, left, kTremorP);

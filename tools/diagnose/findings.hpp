@@ -14,6 +14,10 @@ namespace patella::diagnose {
 /// and the motion that would tell apart all that it cannot be told from.
 void addConfounds(EffectFinding& finding, int joints);
 
+/// The same that follows from what was found together: a spring that rests elsewhere takes up what two levels
+/// of friction differ by.
+void addConfoundsBetween(std::vector<EffectFinding>& findings);
+
 /// A tremor whose phase wanders, by its line in what is left of the torque, unless what was found rings by
 /// itself. The model cannot foresee it, so it can be named and not added.
 std::optional<EffectFinding> tremorFinding(const Dataset& wide, const Column& left,

@@ -40,20 +40,35 @@ class Restatement {
         continue;
       }
       const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
+      // Others may say it all by now.
       std::optional<ModelFit> best;
+      if (rest.at_edge.empty()) {
+        best = rest;
+      }
       for (const Atom& atom : atoms_.items) {
         const bool same =
             atom.recipe->kind == term.recipe->kind && atom.recipe->coefficients() >= term.c.size();
-        if (same || !contains(*term.recipe, *atom.recipe) || !atom.recipe->nonlinear.empty()) {
+        if (same || !contains(*term.recipe, *atom.recipe) || !atom.recipe->nonlinear.empty() ||
+            isContainedInOthers(*atom.recipe, t)) {
           continue;
         }
         std::optional<ModelFit> simple = added(rest, atom, atom.nu);
-        if (simple && simple->at_edge.empty() && (!best || simple->objective < best->objective)) {
+        if (simple && simple->at_edge.empty() && (!best || worth(*simple) < worth(*best))) {
           best = std::move(simple);
         }
       }
       if (best && worth(*best) < worth(selection_.fit)) {
         take(std::move(*best), selection_.evidence[t].p_value);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  bool isContainedInOthers(const Recipe& recipe, std::size_t but) const {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (t != but && !term.declared && contains(*term.recipe, recipe)) {
         return true;
       }
     }
