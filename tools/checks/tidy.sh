@@ -8,6 +8,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${1:?usage: tools/checks/tidy.sh BUILD_DIR}
+[ -e "$build/build.ninja" ] || { echo "tidy.sh: '$build', expected a folder that was built with Ninja" >&2; exit 1; }
 stamps=${XDG_CACHE_HOME:-$HOME/.cache}/patella-tidy
 mkdir -p "$stamps"
 included=$(mktemp)

@@ -14,8 +14,9 @@ struct FreeFunction {
   Dependence dependence;           ///< on which variable, and how much of the torque it is
 };
 
-/// On one joint: a ripple of fewer cycles than make a period plain beside another torque of position, which
-/// add up to a hardening spring as well; reflexes against either direction of motion, which add up to a drag.
+/// On one joint: a ripple of fewer cycles than make a period plain beside another torque of position, where a
+/// spring that hardens would explain about as much; reflexes against either direction of motion, which add up
+/// to a drag.
 std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& selection);
 
 }  // namespace patella::diagnose
