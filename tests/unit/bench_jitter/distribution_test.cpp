@@ -1,6 +1,7 @@
 #include "tools/bench/jitter/distribution.hpp"
 
 #include <array>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -29,6 +30,14 @@ TEST_CASE("cyclictest's histogram is read, with what lay beyond it") {
 TEST_CASE("what is no histogram is refused") {
   CHECK_THROWS_WITH(fromCyclictest("000003 000900\n000004\n"), doctest::Contains("line 2: '000004'"));
   CHECK_THROWS_WITH(fromCyclictest("# nothing\n"), "cyclictest printed no histogram");
+}
+
+TEST_CASE("a tick that was due already did not wake") {
+  // The second begins 1.2 ms late and runs 20 µs into the third; the fourth is slept for again.
+  const std::vector<double> slept =
+      patella::bench::wakeUps(std::array{0.0, 0.001, 0.002, 0.003}, std::array{15.0, 1200.0, 220.0, 16.0},
+                              std::array{20.0, 20.0, 20.0, 20.0});
+  CHECK(slept == std::vector<double>{15.0, 1200.0, 16.0});
 }
 
 TEST_CASE("turns of a program add up") {

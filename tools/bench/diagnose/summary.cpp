@@ -105,7 +105,8 @@ std::string confusionText(const Confusion& confusion) {
 
 std::string parameterText(std::span<const CaseResult> results) {
   std::map<std::string, std::vector<const ParameterScore*>> by_name;
-  std::size_t covered = 0, all = 0;
+  std::vector<double> all_errors;
+  std::size_t covered = 0;
   for (const CaseResult& one : results) {
     const bool strong = std::all_of(one.effects.begin(), one.effects.end(),
                                     [](const CaseEffect& effect) { return effect.strength >= kReliable; });
@@ -113,11 +114,11 @@ std::string parameterText(std::span<const CaseResult> results) {
       for (const ParameterScore& parameter : one.score.parameters) {
         by_name[parameter.name].push_back(&parameter);
         covered += parameter.covered() ? 1 : 0;
-        ++all;
+        all_errors.push_back(parameter.relativeError());
       }
     }
   }
-  if (all == 0) {
+  if (all_errors.empty()) {
     return "";
   }
   std::string lines = fmt::format(
@@ -135,7 +136,8 @@ std::string parameterText(std::span<const CaseResult> results) {
     lines += fmt::format("  {:<48}{:7.1f} %  {:3}/{}\n", name, 100.0 * offline::median(errors), inside,
                          scores.size());
   }
-  return lines + fmt::format("  {:<48}           {}\n", "all", text({.hits = covered, .cases = all}));
+  return lines + fmt::format("  {:<48}{:7.1f} %  {}\n", "all", 100.0 * offline::median(all_errors),
+                             text({.hits = covered, .cases = all_errors.size()}));
 }
 
 std::string heldoutText(std::span<const CaseResult> results) {

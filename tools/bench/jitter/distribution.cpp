@@ -61,6 +61,17 @@ double Distribution::quantile_us(double quantile) const {
   return maximum_us_;
 }
 
+std::vector<double> wakeUps(std::span<const double> t_s, std::span<const double> wakeup_us,
+                            std::span<const double> execution_us) {
+  std::vector<double> slept;
+  for (std::size_t i = 0; i < t_s.size(); ++i) {
+    if (i == 0 || wakeup_us[i - 1] + execution_us[i - 1] < 1e6 * (t_s[i] - t_s[i - 1])) {
+      slept.push_back(wakeup_us[i]);
+    }
+  }
+  return slept;
+}
+
 Distribution ofLatencies(std::span<const double> latencies_us) {
   Distribution result;
   for (const double latency_us : latencies_us) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace patella::bench {
 
@@ -32,6 +33,12 @@ class Distribution {
   std::uint64_t beyond_ = 0;
   double maximum_us_ = 0.0;
 };
+
+/// How late the loop woke, µs, of a recording's ticks: when each was due, how late it began, and how long it
+/// took, all of one length. A tick that was due before the one before had ended did not sleep, so it is no
+/// wake-up; cyclictest leaves such periods out.
+std::vector<double> wakeUps(std::span<const double> t_s, std::span<const double> wakeup_us,
+                            std::span<const double> execution_us);
 
 /// Of single latencies, µs.
 Distribution ofLatencies(std::span<const double> latencies_us);

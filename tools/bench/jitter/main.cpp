@@ -80,8 +80,9 @@ Distribution runLoop(const Arguments& arguments, const std::string& cpus) {
                              std::to_string(arguments.priority) + " (realtime.priority in " +
                              arguments.config.string() + ", rtprio limit)");
   }
-  return ofLatencies(
-      patella::app::CsvTable::load(run / "ticks.csv", {.columns = {"wakeup_us"}}).column("wakeup_us"));
+  const auto ticks =
+      patella::app::CsvTable::load(run / "ticks.csv", {.columns = {"t_s", "wakeup_us", "execution_us"}});
+  return ofLatencies(wakeUps(ticks.column("t_s"), ticks.column("wakeup_us"), ticks.column("execution_us")));
 }
 
 Distribution runCyclictest(const Arguments& arguments, const std::string& cpus) {
