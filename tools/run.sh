@@ -34,10 +34,17 @@ headline "1 kHz in wall-clock time against the in-process rig"
 for attempt in 1 2 3; do
   status=0
   $bin/firmware_app/patella run --config "$config" --out "$out/live" || status=$?
-  [ "$status" = 3 ] && [ "$attempt" -lt 3 ] || break
-  echo "The loop stopped itself, for the causes above; this machine may have stood still. Run $attempt is kept; once more."
+  [ "$status" = 3 ] || break
+  echo "The loop stopped itself, for the causes above; this machine may have stood still. Run $attempt is kept."
   mv "$out/live" "$out/live-$attempt"
 done
+if [ "$status" = 3 ]; then
+  echo "=================================================================="
+  echo "NOT SHOWN in wall-clock time: this machine stopped the loop three times; the same run in virtual time:"
+  echo "=================================================================="
+  status=0
+  $bin/firmware_app/patella run --config "$config" --clock virtual --out "$out/live" || status=$?
+fi
 [ "$status" = 0 ] || exit "$status"
 $bin/tools/report/patella-report "$out/live" --png "$out/live/report.png"
 
