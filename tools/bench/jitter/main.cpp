@@ -171,7 +171,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
          "after each round")
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 1023))
       ->excludes(cpus);
   app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")->check(CLI::Range(1, 20000));
   app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
@@ -183,6 +183,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     return app.exit(error) == 0 ? 0 : 1;
   }
   try {
+    if (!arguments.together.empty() && arguments.together[0] == arguments.together[1]) {
+      throw std::invalid_argument(
+          fmt::format("--together: {0},{0}, expected two different processors", arguments.together[0]));
+    }
     fs::create_directories(arguments.out);
     std::vector<Comparison> comparisons{compare(arguments, "as is")};
     if (arguments.loaded) {
