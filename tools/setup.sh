@@ -6,20 +6,7 @@
 #   tools/setup.sh --cross  also to build for arm64 and to run that under emulation; exit status 77 where that cannot be had
 set -euo pipefail
 
-# doctest is here because configuring a build configures its tests too.
-build_packages=(
-  ca-certificates ccache cmake g++ git ninja-build pkg-config
-  doctest-dev libboost-dev libceres-dev libcli11-dev libeigen3-dev libfftw3-dev libgpiod-dev libmd-dev libspdlog-dev
-  libtomlplusplus-dev nlohmann-json3-dev
-  gnuplot-nox
-)
-test_packages=(can-utils clang-format clang-tidy debootstrap iproute2 libtorch-dev python3 python3-torch)
-# Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
-optional_test_packages=(clang-22 libclang-rt-22-dev)
-
-# The cross compiler brings its own C library; crossbuild-essential would upgrade and remove packages of the host.
-cross_packages=(cpio g++-aarch64-linux-gnu kmod python3 qemu-system-arm qemu-user-static)
-cross_libraries=(libgpiod-dev:arm64 libmd-dev:arm64 libspdlog-dev:arm64 libtomlplusplus-dev:arm64)
+. "$(dirname "$0")/packages.sh"
 
 installed() { dpkg-query -W -f '${db:Status-Abbrev}' "$1" 2>/dev/null | grep -q '^ii'; }
 

@@ -1,0 +1,16 @@
+# The distribution's packages by what needs them; sourced.
+
+# Build tools and headers that serve every architecture. doctest is here because configuring a build configures its tests too.
+portable_packages=(ccache cmake doctest-dev libcli11-dev libeigen3-dev ninja-build nlohmann-json3-dev pkg-config)
+# Libraries that the programs of the rig are linked to.
+linked_packages=(libgpiod-dev libmd-dev libspdlog-dev libtomlplusplus-dev)
+build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificates g++ git gnuplot-nox libboost-dev libceres-dev
+  libfftw3-dev)
+test_packages=(can-utils clang-format clang-tidy debootstrap iproute2 libtorch-dev python3 python3-torch)
+# Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
+optional_test_packages=(clang-22 libclang-rt-22-dev)
+
+# The cross compiler brings its own C library; crossbuild-essential would upgrade and remove packages of the host.
+cross_compiler=g++-aarch64-linux-gnu
+cross_packages=("$cross_compiler" cpio kmod mmdebstrap python3 qemu-system-arm qemu-user-static)
+cross_libraries=("${linked_packages[@]/%/:arm64}")
