@@ -145,6 +145,32 @@ void addChangingStiffness(const Dataset& data, Atoms& atoms, std::vector<Eigen::
   }
 }
 
+// A muscle or a strap over two joints: what the other joint's position or velocity does in straight
+// proportion. A function of eight knots would need a larger gain for the same.
+void addCoupling(const Dataset& data, Atoms& atoms, std::vector<Eigen::VectorXd>& columns) {
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    for (int other = 0; other < data.joints(); ++other) {
+      if (other == joint) {
+        continue;
+      }
+      const Eigen::VectorXd position =
+          data.variable([=](const Series& s, std::size_t i) { return s.states[i].q[other]; });
+      const Eigen::VectorXd velocity =
+          data.variable([=](const Series& s, std::size_t i) { return s.states[i].dq[other]; });
+      for (const auto& [stem, value] : {std::pair{"q", &position}, std::pair{"dq", &velocity}}) {
+        atoms.items.push_back({.recipe = nullptr,
+                               .nu = {},
+                               .label = fmt::format("{}{}", stem, other + 1),
+                               .joint = joint,
+                               .first = static_cast<Eigen::Index>(columns.size()),
+                               .count = 1});
+        columns.emplace_back(Eigen::VectorXd::Zero(data.rows() * data.joints()));
+        columns.back().segment(joint * data.rows(), data.rows()) = *value;
+      }
+    }
+  }
+}
+
 Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
   Atoms atoms;
   std::vector<Eigen::VectorXd> columns;
@@ -173,6 +199,7 @@ Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
       }
     }
   }
+  addCoupling(data, atoms, columns);
   addChangingStiffness(data, atoms, columns);
   atoms.columns.resize(data.rows() * data.joints(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -181,16 +208,20 @@ Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
   return atoms;
 }
 
-// Slow accelerations on every joint. A person's push moves the leg, so a residual always goes with them to
-// some degree; and that is straight proportion, which the inertias mostly take up.
-Eigen::MatrixXd slowAccelerations(const Dataset& data) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * data.joints());
-  for (int of = 0; of < data.joints(); ++of) {
-    const Eigen::VectorXd slow =
-        data.variable([=](const Series& s, std::size_t i) { return s.asked_acceleration[i][of]; });
-    for (int on = 0; on < data.joints(); ++on) {
-      columns.col(of * data.joints() + on).segment(on * data.rows(), data.rows()) = slow;
+// What may take up what it can beside the fitted parameters: a constant on every joint, whose name is known
+// where there is one; and slow accelerations. A person's push moves the leg, so a residual always goes with
+// them to some degree; and that is straight proportion, which the inertias mostly take up.
+Eigen::MatrixXd nuisance(const Dataset& data) {
+  const int joints = data.joints();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * joints, joints * (joints + 1));
+  for (int on = 0; on < joints; ++on) {
+    const auto put = [&](int column, const std::function<double(const Series&, std::size_t)>& value) {
+      columns.col(on * (joints + 1) + column).segment(on * data.rows(), data.rows()) = data.variable(value);
+    };
+    for (int of = 0; of < joints; ++of) {
+      put(of, [=](const Series& s, std::size_t i) { return s.asked_acceleration[i][of]; });
     }
+    put(joints, [](const Series&, std::size_t) { return 1.0; });
   }
   return columns;
 }
@@ -212,9 +243,8 @@ DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::spa
                               int replicates, double family_wise_p, std::uint64_t seed) {
   const std::vector<Variable> all = variables(data, channels);
   const Atoms atoms = functionAtoms(data, all);
-  const Screening screening(
-      data, fit, atoms.items, atoms.columns,
-      {.replicates = replicates, .seed = seed, .free_nominal = true, .nuisance = slowAccelerations(data)});
+  const Screening screening(data, fit, atoms.items, atoms.columns,
+                            {.replicates = replicates, .seed = seed, .nuisance = nuisance(data)});
   const std::vector<double> chance = screening.chance(surprise);
   DependenceTest test;
   std::vector<std::pair<double, Dependence>> ranked;

@@ -15,12 +15,12 @@
 #include "tools/diagnose/dependence.hpp"
 #include "tools/diagnose/drive_timing.hpp"
 #include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/established.hpp"
 #include "tools/diagnose/estimates.hpp"
 #include "tools/diagnose/excitation.hpp"
 #include "tools/diagnose/findings.hpp"
 #include "tools/diagnose/free_function.hpp"
 #include "tools/diagnose/friction_smoothing.hpp"
-#include "tools/diagnose/gates.hpp"
 #include "tools/diagnose/heldout_elimination.hpp"
 #include "tools/diagnose/late_drive.hpp"
 #include "tools/diagnose/model_error.hpp"
@@ -41,13 +41,6 @@ constexpr double kContradicted = 9.0;
 
 bool isTiming(std::string_view kind) {
   return kind == "actuator_delay" || kind == "actuator_lag";
-}
-
-// The first, with each deviation raised to that of the second where it is smaller.
-Eigen::MatrixXd wider(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& other) {
-  const Eigen::VectorXd factor =
-      (other.diagonal().array() / covariance.diagonal().array().max(1e-300)).max(1.0).sqrt();
-  return factor.asDiagonal() * covariance * factor.asDiagonal();
 }
 
 // One run of the procedure: holds what its stages share.
@@ -101,6 +94,11 @@ class Procedure {
             label + " explained a part of the recording, but not the held-out part: not added");
       }
     }
+    for (const std::string& label : dropWhatIsNotEstablished(
+             *last.fitter, last.selection, options_.bootstrap_replicates, covarianceSeed())) {
+      result_.warnings.push_back(
+          label + " explained a part of the recording, but its parameters are not known: not added");
+    }
     report("unexplained", 0.0);
     const DependenceTest dependence =
         testDependence(*train_, last.fitter->onWholeTorque(last.selection.fit), channels_,
@@ -149,6 +147,8 @@ class Procedure {
     search.selection = select(*search.fitter, search.atoms, search.nominal, selection);
     return search;
   }
+
+  std::uint64_t covarianceSeed() const { return options_.seed + 15485863; }
 
   FitOptions fitOptions() const { return {.nominal_tolerance = options_.nominal_tolerance}; }
 
@@ -220,9 +220,8 @@ class Procedure {
               const DependenceTest& dependence) {
     result_.steps = selection.steps;
     result_.unexplained = dependence.found;
-    const Eigen::MatrixXd covariance = wider(
-        parameterCovariance(*train_, selection.fit, options_.bootstrap_replicates, options_.seed + 15485863),
-        jackknifeCovariance(selection.fit));
+    const Eigen::MatrixXd covariance =
+        widerCovariance(*train_, selection.fit, options_.bootstrap_replicates, covarianceSeed());
     const std::vector<FreeFunction> free = freeFunctions(*train_, selection);
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
       const Term& term = selection.fit.terms[t];

@@ -15,6 +15,8 @@ namespace {
 
 /// Periods over the joint's range from which on a ripple is told from a bend.
 constexpr double kPlainCycles = 2.5;
+/// Standard deviations over persons from which on a published slope is none any more.
+constexpr double kAnotherSlope = 1.25;
 /// A spring that hardens, softens or stops bends like a polynomial of this order.
 constexpr int kSmoothOrder = 5;
 /// Of −2 log likelihood, by which a ripple of fewer periods has to explain more than such a spring, though it
@@ -38,7 +40,17 @@ Range positionRange(const Dataset& data, int joint) {
   return {low, high};
 }
 
+// A ripple of few periods, or tissue with slopes far from the published ones, is a bend that took the nearest
+// shape.
 bool bends(const Dataset& data, const Term& term) {
+  if (term.recipe->kind == "passive_knee_moment") {
+    for (std::size_t k = 0; k < term.nu.size(); ++k) {
+      if (!data.isStatic() && std::abs(term.nu[k]) > kAnotherSlope * term.recipe->nonlinear[k].spread) {
+        return true;
+      }
+    }
+    return false;
+  }
   const Range range = positionRange(data, term.recipe->joint);
   return term.recipe->kind == "torque_ripple" && term.nu[0] * (range.high - range.low) < kPlainCycles;
 }
@@ -135,7 +147,10 @@ std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& se
                                       .explained_Nm = jointRms(data, torqueOf(selection.fit, terms), joint),
                                       .p_value = p_value}});
     };
-    if (bent && of_position.size() > 1 && smoothDoes(data, selection.fit, of_position, joint)) {
+    const bool tissue = std::any_of(of_position.begin(), of_position.end(), [&](std::size_t t) {
+      return selection.fit.terms[t].recipe->kind == "passive_knee_moment";
+    });
+    if (bent && (tissue || of_position.size() > 1) && smoothDoes(data, selection.fit, of_position, joint)) {
       add(of_position, "q");
     }
     if (reflexes.size() > 1) {

@@ -437,7 +437,8 @@ void ModelFitter::findEdges(ModelFit& fit) {
     for (std::size_t k = 0; k < term.nu.size() && !term.declared; ++k) {
       const NonlinearParameter& range = recipe.nonlinear[k];
       const double near = kNearBound * (range.upper - range.lower);
-      if (term.nu[k] > range.upper - near || (range.closed_below && term.nu[k] < range.lower + 0.1 * near)) {
+      if ((!range.open_above && term.nu[k] > range.upper - near) ||
+          (range.closed_below && term.nu[k] < range.lower + 0.1 * near)) {
         fit.at_edge.push_back({recipe.label(), "range: " + shapeName(recipe, term.c, term.nu, k)});
       }
     }

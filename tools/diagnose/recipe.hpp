@@ -26,6 +26,7 @@ struct NonlinearParameter {
   /// steps of this size without derivatives come first.
   double step = 0.0;
   bool closed_below = false;  ///< an effect at the lower bound is another than its name says
+  bool open_above = false;    ///< one at the upper bound is not: beyond it all look alike
   double spread = 0.0;        ///< standard deviation about zero that is known beforehand; 0: nothing is
 };
 

@@ -128,17 +128,11 @@ Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Rec
 
 Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const Atom> atoms,
                      const Eigen::MatrixXd& columns, const ScreeningOptions& options) {
-  Eigen::VectorXd prior_weight = fit.prior_weight;
-  if (options.free_nominal) {
-    prior_weight.head(static_cast<Eigen::Index>(fit.mechanism.size())).setZero();
-  }
-  explained_ = orthonormal(fit, prior_weight, options.nuisance);
+  explained_ = orthonormal(fit, fit.prior_weight, options.nuisance);
   const Eigen::VectorXd white = fit.weighting->apply(fit.residual);
   Eigen::VectorXd residual = Eigen::VectorXd::Zero(explained_.rows());
   residual.head(white.size()) = white;
-  if (!options.free_nominal) {
-    residual.tail(fit.prior_residual.size()) = fit.prior_residual;
-  }
+  residual.tail(fit.prior_residual.size()) = fit.prior_residual;
   residual -= explained_ * (explained_.transpose() * residual);
 
   Eigen::MatrixXd work = Eigen::MatrixXd::Zero(explained_.rows(), columns.cols());

@@ -38,8 +38,7 @@ struct Screened {
 struct ScreeningOptions {
   int replicates = 499;
   std::uint64_t seed = 1;
-  bool free_nominal = false;   ///< the mechanism may take up what it can without regard to its tolerance
-  Eigen::MatrixXd nuisance{};  ///< Columns that may take up what they can, too
+  Eigen::MatrixXd nuisance{};  ///< Columns that may take up what they can, like the fitted parameters
 };
 
 /// Tests atoms on what a fit leaves. What counts as much is not a sum of squares but how it compares with the

@@ -86,6 +86,39 @@ TEST_CASE("friction with a peak at rest beside viscous friction goes by these na
   CHECK(diagnosis.effects[1].kind == "viscous_friction");
 }
 
+TEST_CASE("warming up is one effect, though the recording ends long before it does") {
+  for (const std::uint64_t seed : {92000066, 93000123}) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis =
+        diagnosed(drawCase(seed, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+    REQUIRE(diagnosis.effects.size() == 1);
+    CHECK(diagnosis.effects.front().kind == "thermal_drift");
+  }
+}
+
+TEST_CASE("what has no parameter that is known makes way for what has") {
+  const diagnose::Diagnosis diagnosis =
+      diagnosed(drawCase(92000064, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  REQUIRE(diagnosis.effects.size() == 1);
+  CHECK(diagnosis.effects.front().kind == "tremor");
+}
+
+TEST_CASE("a spring over two joints and one that hardens are unknown, by their variable") {
+  const diagnose::Diagnosis coupled =
+      diagnosed(drawCase(92000097, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  CHECK(coupled.verdict == diagnose::Verdict::kUnknownEffect);
+  REQUIRE(!coupled.unexplained.empty());
+  CHECK(coupled.unexplained.front().joint == 0);
+  CHECK(coupled.unexplained.front().variable == "q2");
+
+  const diagnose::Diagnosis hardening =
+      diagnosed(drawCase(93000037, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  CHECK(hardening.verdict == diagnose::Verdict::kUnknownEffect);
+  REQUIRE(!hardening.unexplained.empty());
+  CHECK(hardening.unexplained.front().variable == "q1");
+}
+
 TEST_CASE("wrong masses are no effect") {
   for (std::uint64_t seed = 3000001; seed <= 3000004; ++seed) {
     CAPTURE(seed);

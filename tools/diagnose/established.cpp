@@ -1,0 +1,64 @@
+#include "tools/diagnose/established.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tools/diagnose/estimates.hpp"
+#include "tools/diagnose/gates.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kKnown = 10.0;
+
+bool isUnknown(const ParameterEstimate& estimate) {
+  return estimate.ci95[1] - estimate.value > kKnown * std::abs(estimate.value);
+}
+
+bool holdsZero(const ParameterEstimate& estimate) {
+  return estimate.ci95[0] <= 0.0 && estimate.ci95[1] >= 0.0;
+}
+
+std::optional<std::size_t> notEstablished(const ModelFit& fit, const Eigen::MatrixXd& covariance) {
+  const auto found =
+      std::count_if(fit.terms.begin(), fit.terms.end(), [](const Term& term) { return !term.declared; });
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
+    if (term.declared) {
+      continue;
+    }
+    std::vector<ParameterEstimate> all = estimates(fit, covariance, t);
+    // Other parameters of the kind, which this variant leaves at nothing.
+    std::erase_if(all, [](const ParameterEstimate& e) { return e.ci95[0] == e.ci95[1]; });
+    const bool one_number = term.c.size() + term.nu.size() == 1;
+    if ((one_number && found > 1 && std::any_of(all.begin(), all.end(), holdsZero)) ||
+        (!all.empty() && std::all_of(all.begin(), all.end(), isUnknown))) {
+      return t;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates,
+                                std::uint64_t seed) {
+  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, replicates, seed);
+  const Eigen::VectorXd left_out = jackknifeCovariance(fit).diagonal();
+  const Eigen::VectorXd factor = (left_out.array() / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return factor.asDiagonal() * drawn * factor.asDiagonal();
+}
+
+std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection, int replicates,
+                                                  std::uint64_t seed) {
+  std::vector<std::string> dropped;
+  while (const auto term =
+             notEstablished(selection.fit, widerCovariance(fitter.data(), selection.fit, replicates, seed))) {
+    dropped.push_back(selection.fit.terms[*term].recipe->label());
+    selection = withoutTerm(fitter, selection, *term);
+  }
+  return dropped;
+}
+
+}  // namespace patella::diagnose
