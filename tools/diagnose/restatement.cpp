@@ -13,6 +13,11 @@
 namespace patella::diagnose {
 namespace {
 
+/// Of −2 log posterior, in units of chance: as good as equal.
+constexpr double kAsGood = 0.1;
+/// Share of what an effect explains that a simple one may leave where the effect is out of its range.
+constexpr double kRest = 0.1;
+
 class Restatement {
  public:
   Restatement(ModelFitter& fitter, const Atoms& atoms, double unit, Selection& selection)
@@ -57,12 +62,22 @@ class Restatement {
           best = std::move(simple);
         }
       }
-      if (best && worth(*best) < worth(selection_.fit)) {
+      if (best && (worth(*best) < worth(selection_.fit) + kAsGood * unit_ || isOutOfRange(t, *best, rest))) {
         take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
     }
     return false;
+  }
+
+  // Later steps have moved a parameter to where it means another effect, such as a spring's rest far from the
+  // motion, and the simple one says nearly all.
+  bool isOutOfRange(std::size_t term, const ModelFit& simple, const ModelFit& rest) const {
+    const ModelFit& fit = selection_.fit;
+    const std::string label = fit.terms[term].recipe->label();
+    return std::any_of(fit.at_edge.begin(), fit.at_edge.end(),
+                       [&](const Edge& edge) { return edge.label == label; }) &&
+           simple.objective - fit.objective < kRest * (rest.objective - fit.objective);
   }
 
   bool isContainedInOthers(const Recipe& recipe, std::size_t but) const {
