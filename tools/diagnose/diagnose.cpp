@@ -38,6 +38,8 @@ constexpr double kUnknownShare = 0.05;
 
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
+/// Of the held-out error, what a delay must leave at most.
+constexpr double kShows = 0.99;
 
 bool isTiming(std::string_view kind) {
   return kind == "actuator_delay" || kind == "actuator_lag";
@@ -87,7 +89,13 @@ class Procedure {
     Search first = search(model_, {});
     findLate(first);
     // Time base first: with the drives' delays known, what is missing is looked for anew.
-    Search& last = late_.empty() ? first : again_.emplace(search(withLate(), lateJoints()));
+    while (!late_.empty()) {
+      again_.emplace(search(withLate(), lateJoints()));
+      if (!dropLateThatDoesNotHold(first)) {
+        break;
+      }
+    }
+    Search& last = late_.empty() ? first : *again_;
     if (heldout_ && options_.gates.heldout) {
       for (const std::string& label : dropWhatDoesNotHold(*last.fitter, last.selection, *heldout_)) {
         result_.warnings.push_back(
@@ -187,6 +195,29 @@ class Procedure {
     const ModelFit& fit = first.selection.fit;
     const double spoken_against = fitter.fit(fit, *fit.weighting).objective - fit.objective;
     return spoken_against < kContradicted * fit.prior_scale * fit.prior_scale;
+  }
+
+  // A delay that fast motion asks for shows in the error of data that were not fitted. True where one was
+  // dropped.
+  bool dropLateThatDoesNotHold(const Search& first) {
+    if (!heldout_ || !options_.gates.heldout) {
+      return false;
+    }
+    const auto errors = [&](const Search& search) {
+      return residualOf(*heldout_, search.fitter->describe(search.selection.fit)).residual;
+    };
+    const Column without = errors(first);
+    const Column with = errors(*again_);
+    return std::erase_if(late_, [&](const LateDrive& late) {
+             const bool holds = jointRms(*heldout_, with, late.effect.joint) <
+                                kShows * jointRms(*heldout_, without, late.effect.joint);
+             if (!holds) {
+               result_.warnings.push_back(
+                   fmt::format("{}@{} explained fast motion, but not the held-out part: not added",
+                               late.effect.kind, late.effect.joint + 1));
+             }
+             return !holds;
+           }) > 0;
   }
 
   bool considersTiming() const {
