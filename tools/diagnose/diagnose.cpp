@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/before_and_after.hpp"
 #include "tools/diagnose/considered.hpp"
 #include "tools/diagnose/consistency.hpp"
 #include "tools/diagnose/dependence.hpp"
@@ -115,7 +115,13 @@ class Procedure {
     compareRecordings(last.selection.fit);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);
     report("errors", 0.0);
-    measure(first, last);
+    judgeByErrors({.train = *train_,
+                   .heldout = heldout_,
+                   .given = model_,
+                   .refitted = first.fitter->describe(first.nominal),
+                   .extended = last.fitter->describe(last.selection.fit),
+                   .unexplained = last.fitter->onWholeTorque(last.selection.fit).residual},
+                  result_);
     if (result_.explanation.empty()) {
       result_.explanation = explanation(result_, options_.nominal_tolerance);
     }
@@ -351,12 +357,7 @@ class Procedure {
   Diagnosis undecided(const std::string& reason) {
     result_.verdict = Verdict::kInsufficientExcitation;
     result_.explanation = reason;
-    result_.extended = model_;
-    result_.before = errorMeasure(*train_, heldout_, model_);
-    result_.refitted = result_.before;
-    result_.after = result_.before;
-    result_.noise_floor_Nm = result_.before.train_rms_Nm;
-    addCurves();
+    leaveAsItWas(*train_, heldout_, model_, result_);
     return std::move(result_);
   }
 
@@ -372,76 +373,6 @@ class Procedure {
       result_.effects.push_back(std::move(*tremor));
       result_.warnings.emplace_back(
           "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");
-    }
-  }
-
-  // What does not hold on data that it was not fitted to is not added.
-  void keepOnlyWhatHolds() {
-    const auto total = [](const std::vector<double>& rms) {
-      return std::inner_product(rms.begin(), rms.end(), rms.begin(), 0.0);
-    };
-    if (!heldout_ || total(result_.after.heldout_rms_Nm) <= total(result_.before.heldout_rms_Nm)) {
-      return;
-    }
-    result_.extended = model_;
-    result_.after = result_.before;
-    if (!result_.effects.empty()) {
-      result_.effects.clear();
-      result_.verdict = Verdict::kUnknownEffect;
-      result_.explanation =
-          "What explained the first part of the recording makes the error of the held-out part larger; the "
-          "model is "
-          "left as it was.";
-    } else {
-      result_.warnings.emplace_back(
-          "refitted nominal parameters make the held-out error larger; the model is left as it was");
-    }
-  }
-
-  // What happens only in the part that was held out has left no trace in the one that was fitted.
-  void compareParts() {
-    constexpr double kOutOfProportion = 2.5;
-    for (int joint = 0; joint < train_->joints(); ++joint) {
-      const auto j = static_cast<std::size_t>(joint);
-      const double fitted = result_.noise_floor_Nm[j];
-      const double unseen = heldout_ ? result_.after.heldout_rms_Nm[j] : 0.0;
-      if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
-        result_.verdict = Verdict::kUnknownEffect;
-        result_.unexplained.push_back({.joint = joint,
-                                       .variable = "time",
-                                       .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
-                                       .p_value = 1.0});
-        result_.explanation = fmt::format(
-            "Something else happens in the held-out part: the error of joint {} is {:.1f} times what it was "
-            "in the "
-            "part that was fitted.",
-            joint + 1, unseen / fitted);
-        return;
-      }
-    }
-  }
-
-  void measure(const Search& first, const Search& last) {
-    const Selection& selection = last.selection;
-    result_.extended = last.fitter->describe(selection.fit);
-    result_.before = errorMeasure(*train_, heldout_, model_);
-    result_.refitted = errorMeasure(*train_, heldout_, first.fitter->describe(first.nominal));
-    result_.after = errorMeasure(*train_, heldout_, result_.extended);
-    keepOnlyWhatHolds();
-    const Eigen::VectorXd noise = last.fitter->onWholeTorque(selection.fit).residual;
-    for (int joint = 0; joint < train_->joints(); ++joint) {
-      result_.noise_floor_Nm.push_back(jointRms(*train_, noise, joint));
-    }
-    compareParts();
-    addCurves();
-  }
-
-  void addCurves() {
-    result_.simulation_window_s = kSimulationWindow_s;
-    result_.curves_rate_Hz = train_->rate_Hz();
-    appendCurves(*train_, model_, result_.extended, false, result_.curves);
-    if (heldout_) {
-      appendCurves(*heldout_, model_, result_.extended, true, result_.curves);
     }
   }
 

@@ -1,0 +1,100 @@
+#include "tools/diagnose/before_and_after.hpp"
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/model_error.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Held-out error over noise floor from which on something else happens there.
+constexpr double kOutOfProportion = 2.5;
+
+void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
+               const app::ModelDescription& given, Diagnosis& result) {
+  result.simulation_window_s = kSimulationWindow_s;
+  result.curves_rate_Hz = train.rate_Hz();
+  appendCurves(train, given, result.extended, false, result.curves);
+  if (heldout) {
+    appendCurves(*heldout, given, result.extended, true, result.curves);
+  }
+}
+
+// What does not hold on data that it was not fitted to is not added.
+void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
+  const auto total = [](const std::vector<double>& rms) {
+    return std::inner_product(rms.begin(), rms.end(), rms.begin(), 0.0);
+  };
+  if (total(result.after.heldout_rms_Nm) <= total(result.before.heldout_rms_Nm)) {
+    return;
+  }
+  result.extended = given;
+  result.after = result.before;
+  if (!result.effects.empty()) {
+    result.effects.clear();
+    result.verdict = Verdict::kUnknownEffect;
+    result.explanation =
+        "What explained the first part of the recording makes the error of the held-out part larger; the "
+        "model "
+        "is left as it was.";
+  } else {
+    result.warnings.emplace_back(
+        "refitted nominal parameters make the held-out error larger; the model is left as it was");
+  }
+}
+
+// What happens only in the part that was held out has left no trace in the one that was fitted.
+void compareParts(Diagnosis& result) {
+  for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
+    const double fitted = result.noise_floor_Nm[joint];
+    const double unseen = result.after.heldout_rms_Nm[joint];
+    if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
+      result.verdict = Verdict::kUnknownEffect;
+      result.unexplained.push_back({.joint = static_cast<int>(joint),
+                                    .variable = "time",
+                                    .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
+                                    .p_value = 1.0});
+      result.explanation = fmt::format(
+          "Something else happens in the held-out part: the error of joint {} is {:.1f} times what it was in "
+          "the part that was fitted.",
+          joint + 1, unseen / fitted);
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result) {
+  result.extended = models.extended;
+  result.before = errorMeasure(models.train, models.heldout, models.given);
+  result.refitted = errorMeasure(models.train, models.heldout, models.refitted);
+  result.after = errorMeasure(models.train, models.heldout, result.extended);
+  if (models.heldout) {
+    keepOnlyWhatHolds(models.given, result);
+  }
+  for (int joint = 0; joint < models.train.joints(); ++joint) {
+    result.noise_floor_Nm.push_back(jointRms(models.train, models.unexplained, joint));
+  }
+  if (models.heldout) {
+    compareParts(result);
+  }
+  addCurves(models.train, models.heldout, models.given, result);
+}
+
+void leaveAsItWas(const Dataset& train, const std::optional<Dataset>& heldout,
+                  const app::ModelDescription& given, Diagnosis& result) {
+  result.extended = given;
+  result.before = errorMeasure(train, heldout, given);
+  result.refitted = result.before;
+  result.after = result.before;
+  result.noise_floor_Nm = result.before.train_rms_Nm;
+  addCurves(train, heldout, given, result);
+}
+
+}  // namespace patella::diagnose
