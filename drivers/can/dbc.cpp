@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "drivers/can/dbc_attributes.hpp"
 #include "drivers/can/dbc_check.hpp"
 #include "drivers/can/dbc_scanner.hpp"
 #include "drivers/can/text_encoding.hpp"
@@ -13,16 +14,12 @@
 namespace patella::can {
 namespace {
 
-constexpr std::uint32_t kExtendedFlag = 0x80000000U;
 constexpr std::uint32_t kLargestStandardId = 0x7FFU;
 constexpr std::uint32_t kLargestExtendedId = 0x1FFFFFFFU;
 /// VECTOR__INDEPENDENT_SIG_MSG, where Vector's editors keep signals that no message uses.
 constexpr std::uint32_t kIndependentSignals = 0xC0000000U;
 /// The longest message that J1939's transport protocol carries, bytes.
 constexpr std::uint64_t kLargestLength = 1785;
-/// Values of VFrameFormat for CAN FD frames, standard and extended.
-constexpr double kStandardFd = 14;
-constexpr double kExtendedFd = 15;
 
 /// Statements that do not bear on decoding: checked for form, then dropped.
 constexpr std::array<std::string_view, 22> kSkipped = {
@@ -51,13 +48,6 @@ std::string hex(std::uint32_t id) {
   return "0x" + text;
 }
 
-/// An attribute is text or a number; an enumeration may be given as either.
-struct AttributeValue {
-  std::string text;
-  double number = 0.0;
-  bool is_text = false;
-};
-
 class Parser {
  public:
   Parser(std::string_view text, std::string_view file_name) : scanner_(text, file_name) {
@@ -84,17 +74,9 @@ class Parser {
   void valueNames();
   void valueType();
   void multiplexedValues();
-  void attributeDefinition();
-  void attributeDefault();
-  void attribute();
-  AttributeValue attributeValue();
-  double enumerated(const std::string& name, const AttributeValue& value) const;
-  void applyFormats();
   void finish();
 
-  std::uint32_t rawId() {
-    return static_cast<std::uint32_t>(scanner_.natural("a message identifier", 0xFFFFFFFFU));
-  }
+  std::uint32_t rawId() { return dbcRawId(scanner_); }
   Message* messageOf(std::uint32_t raw_id);
   /// The named signal of a statement whose loss would change how data are decoded.
   std::pair<Message*, Signal*> requiredSignal();
@@ -103,9 +85,7 @@ class Parser {
   Database database_;
   std::vector<DbcMarks> marks_;
   Message independent_;
-  std::map<std::string, std::vector<std::string>> enumerations_;
-  std::map<std::string, AttributeValue> defaults_;
-  std::map<std::uint32_t, std::map<std::string, AttributeValue>> message_attributes_;
+  DbcAttributes attributes_;
 };
 
 void Parser::statement() {
@@ -126,11 +106,11 @@ void Parser::statement() {
   } else if (keyword == "CM_") {
     comment();
   } else if (keyword == "BA_DEF_") {
-    attributeDefinition();
+    attributes_.definition(scanner_);
   } else if (keyword == "BA_DEF_DEF_") {
-    attributeDefault();
+    attributes_.defaultValue(scanner_);
   } else if (keyword == "BA_") {
-    attribute();
+    attributes_.attribute(scanner_);
   } else if (keyword == "VAL_") {
     valueNames();
   } else if (keyword == "SG_MUL_VAL_") {
@@ -178,8 +158,8 @@ void Parser::message() {
   const std::uint32_t raw_id = rawId();
   Message message;
   DbcMarks marks;
-  message.extended = (raw_id & kExtendedFlag) != 0;
-  message.id = raw_id & ~kExtendedFlag;
+  message.extended = (raw_id & kDbcExtendedFlag) != 0;
+  message.id = raw_id & ~kDbcExtendedFlag;
   marks.message = scanner_.here();
   message.name = scanner_.word("the message's name");
   scanner_.expect(':');
@@ -276,7 +256,7 @@ void Parser::signal(Message& message, DbcMarks& marks) {
 Message* Parser::messageOf(std::uint32_t raw_id) {
   if (raw_id == kIndependentSignals)
     return &independent_;
-  return const_cast<Message*>(database_.find(raw_id & ~kExtendedFlag, (raw_id & kExtendedFlag) != 0));
+  return const_cast<Message*>(database_.find(raw_id & ~kDbcExtendedFlag, (raw_id & kDbcExtendedFlag) != 0));
 }
 
 std::pair<Message*, Signal*> Parser::requiredSignal() {
@@ -392,105 +372,9 @@ void Parser::multiplexedValues() {
   scanner_.expect(';');
 }
 
-void Parser::attributeDefinition() {
-  const std::string_view object = scanner_.peekWord();
-  if (!object.empty()) {
-    constexpr std::array<std::string_view, 4> kObjects = {"BU_", "BO_", "SG_", "EV_"};
-    if (!contains(kObjects, object))
-      scanner_.fail("BU_, BO_, SG_, EV_ or the attribute's name in quotes");
-    scanner_.word(object);
-  }
-  const std::string name = scanner_.quoted("the attribute's name in quotes");
-  const std::size_t start = scanner_.here();
-  const std::string_view type = scanner_.word("INT, HEX, FLOAT, STRING or ENUM");
-  if (type == "ENUM") {
-    std::vector<std::string>& values = enumerations_[name];
-    values.clear();
-    do {
-      values.push_back(scanner_.quoted("a value of the enumeration in quotes"));
-    } while (scanner_.accept(','));
-  } else if (type == "INT" || type == "HEX" || type == "FLOAT") {
-    while (scanner_.nextIsNumber())
-      scanner_.number("a limit");
-  } else if (type != "STRING") {
-    scanner_.failAt(start, "found '" + std::string(type) + "', expected INT, HEX, FLOAT, STRING or ENUM");
-  }
-  scanner_.expect(';');
-}
-
-AttributeValue Parser::attributeValue() {
-  AttributeValue value;
-  value.is_text = scanner_.nextIs('"');
-  if (value.is_text) {
-    value.text = scanner_.quoted("the attribute's value");
-  } else {
-    value.number = scanner_.number("the attribute's value, a number or in quotes");
-  }
-  scanner_.expect(';');
-  return value;
-}
-
-void Parser::attributeDefault() {
-  const std::string name = scanner_.quoted("the attribute's name in quotes");
-  defaults_[name] = attributeValue();
-}
-
-void Parser::attribute() {
-  const std::string name = scanner_.quoted("the attribute's name in quotes");
-  const std::string_view object = scanner_.peekWord();
-  if (object.empty()) {
-    attributeValue();
-    return;
-  }
-  scanner_.word(object);
-  if (object == "BO_") {
-    const std::uint32_t raw_id = rawId();
-    message_attributes_[raw_id][name] = attributeValue();
-  } else if (object == "SG_") {
-    rawId();
-    scanner_.word("a signal's name");
-    attributeValue();
-  } else if (object == "BU_" || object == "EV_") {
-    scanner_.word("a name");
-    attributeValue();
-  } else {
-    scanner_.fail("BU_, BO_, SG_, EV_ or a value before this");
-  }
-}
-
-double Parser::enumerated(const std::string& name, const AttributeValue& value) const {
-  if (!value.is_text)
-    return value.number;
-  const auto values = enumerations_.find(name);
-  if (values == enumerations_.end())
-    return -1.0;
-  const auto found = std::find(values->second.begin(), values->second.end(), value.text);
-  return found == values->second.end() ? -1.0 : static_cast<double>(found - values->second.begin());
-}
-
-void Parser::applyFormats() {
-  for (Message& message : database_.messages) {
-    const auto& own = message_attributes_[message.id | (message.extended ? kExtendedFlag : 0U)];
-    const auto lookUp = [&](const std::string& name) -> std::optional<double> {
-      if (const auto found = own.find(name); found != own.end())
-        return enumerated(name, found->second);
-      if (const auto found = defaults_.find(name); found != defaults_.end()) {
-        return enumerated(name, found->second);
-      }
-      return std::nullopt;
-    };
-    // Without the attribute, a length that only CAN FD carries says it.
-    const std::optional<double> format = lookUp("VFrameFormat");
-    message.fd = format ? *format == kStandardFd || *format == kExtendedFd : message.length > 8;
-    message.bit_rate_switch = message.fd && lookUp("CANFD_BRS") == 1.0;
-    if (const auto cycle_ms = lookUp("GenMsgCycleTime"); cycle_ms && *cycle_ms > 0.0) {
-      message.cycle_time_s = *cycle_ms / 1000.0;
-    }
-  }
-}
-
 void Parser::finish() {
-  applyFormats();
+  for (Message& message : database_.messages)
+    attributes_.apply(message);
   const DbcReporter report = [this](std::size_t offset, std::string_view text) {
     scanner_.failAt(offset, text);
   };
