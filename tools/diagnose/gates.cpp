@@ -5,6 +5,8 @@
 #include <vector>
 
 #include <Eigen/Dense>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 
 namespace patella::diagnose {
 namespace {
@@ -12,6 +14,8 @@ namespace {
 constexpr int kFolds = 10;
 constexpr int kBootstrapBlocks = 20;
 constexpr int kBootstraps = 60;
+/// Seconds long in a recording of half a minute: a person's push is forgotten from one to the next.
+constexpr int kJackknifeBlocks = 10;
 
 // Normal equations of a linearised fit, block by block of time. Around the optimum the model is residual +
 // tangent·x with the prior pulling x to where its own residual vanishes.
@@ -122,15 +126,17 @@ double stability(const ModelFit& smaller, const ModelFit& larger, double cost, s
 }
 
 Eigen::MatrixXd jackknifeCovariance(const ModelFit& fit) {
-  const Linearised blocks = linearised(fit, *fit.weighting, kBootstrapBlocks);
-  Eigen::MatrixXd left_out(fit.tangent.cols(), kBootstrapBlocks);
-  for (int b = 0; b < kBootstrapBlocks; ++b) {
-    std::vector<double> weight(kBootstrapBlocks, 1.0);
+  const Linearised blocks = linearised(fit, *fit.weighting, kJackknifeBlocks);
+  Eigen::MatrixXd left_out(fit.tangent.cols(), kJackknifeBlocks);
+  for (int b = 0; b < kJackknifeBlocks; ++b) {
+    std::vector<double> weight(kJackknifeBlocks, 1.0);
     weight[static_cast<std::size_t>(b)] = 0.0;
     left_out.col(b) = solution(blocks, weight);
   }
   const Eigen::MatrixXd spread = left_out.colwise() - left_out.rowwise().mean().eval();
-  return spread * spread.transpose() * ((kBootstrapBlocks - 1.0) / kBootstrapBlocks);
+  const double student = boost::math::quantile(boost::math::students_t(kJackknifeBlocks - 1.0), 0.975) /
+                         boost::math::quantile(boost::math::normal(), 0.975);
+  return spread * spread.transpose() * (student * student * (kJackknifeBlocks - 1.0) / kJackknifeBlocks);
 }
 
 }  // namespace patella::diagnose

@@ -22,7 +22,8 @@ CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger);
 double stability(const ModelFit& smaller, const ModelFit& larger, double cost, std::uint64_t seed);
 
 /// Covariance of a fit's parameters from leaving out one block of time after another (jackknife): it also
-/// holds what the noise model does not know, such as an effect that is not quite of its equation's shape.
+/// holds what the noise model does not know, such as an effect that is not quite of its equation's shape. So
+/// wide that intervals of a normal distribution with it are those of Student's t for as many blocks.
 Eigen::MatrixXd jackknifeCovariance(const ModelFit& fit);
 
 }  // namespace patella::diagnose
