@@ -1,6 +1,7 @@
 // The parts of the comparison between networks and observers that can be known beforehand.
 #include <doctest/doctest.h>
 
+#include "tools/bench/learning/adaptation.hpp"
 #include "tools/bench/learning/forecast.hpp"
 #include "tools/bench/learning/leg_runs.hpp"
 #include "tools/bench/learning/linear_history.hpp"
@@ -57,6 +58,21 @@ TEST_CASE("a push is foretold by its rate better than by holding it") {
   const ObservedRun run = observeRun(recording, kalman());
   CHECK(sum(meanError(predictConstantRate(recording, run, kalman(), 0.05))) <
         sum(meanError(deliverObserver(run, 0.05))));
+}
+
+TEST_CASE(
+    "without a push, a shank that is 5 % lighter in the model is recovered, and friction that it lacks") {
+  // Where nobody pushes and the filter is told so, its noise is the leg's.
+  AdaptiveFilter filter = makeAdaptiveFilter(AdaptedBody::kShank, std::array{0.01, 0.01, 0.3});
+  const Recording light = recordLeg({.seconds = 5.0, .error = {.shank = -0.05}, .passive = true}, 4);
+  const Delivered delivered = deliverAdaptive(filter, light, observeRun(light, kalman()), false, 0.0);
+  CHECK(filter.parameters()[0] == doctest::Approx(0.05).epsilon(0.1));
+  CHECK(sum(meanError(delivered)) < 0.005);
+  const Recording rubbing = recordLeg({.seconds = 5.0, .error = {.friction = true}, .passive = true}, 4);
+  deliverAdaptive(filter, rubbing, observeRun(rubbing, kalman()), false, 0.0);
+  CHECK(filter.parameters()[1] == doctest::Approx(0.03).epsilon(0.35));
+  CHECK(filter.parameters()[3] == doctest::Approx(0.08).epsilon(0.25));  // smoothed wider than the leg's
+  CHECK(filter.parameters()[4] == doctest::Approx(0.05).epsilon(0.25));
 }
 
 TEST_CASE("what is linear in the past is found by the linear history") {

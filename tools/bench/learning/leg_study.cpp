@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/bench/learning/adaptation.hpp"
 #include "tools/bench/learning/forecast.hpp"
 #include "tools/bench/learning/linear_history.hpp"
 #include "tools/train/preparation.hpp"
@@ -50,19 +51,43 @@ std::vector<ObservedRun> observeAll(const std::vector<Recording>& recordings, co
   return runs;
 }
 
+/// What is compared in one condition, tuned.
+struct Contenders {
+  Tuned observer;
+  std::vector<std::pair<AdaptedBody, std::vector<double>>> adaptive;  ///< with their numbers
+};
+
+Contenders contendersOf(const std::vector<Recording>& runs, bool adapt) {
+  Contenders contenders{.observer = bestObserver(runs), .adaptive = {}};
+  if (adapt) {
+    for (const AdaptedBody body : {AdaptedBody::kShank, AdaptedBody::kWhole}) {
+      contenders.adaptive.emplace_back(body, tune(adaptiveMethod(body), runs));
+    }
+  }
+  return contenders;
+}
+
 /// One condition and seed.
 class Trial {
  public:
-  Trial(const LegStudyOptions& options, const ModelError& error, std::uint64_t seed, const Tuned& observer,
-        std::vector<LegResult>& results, const std::function<void(const LegResult&)>& done)
-      : options_(options), error_(error), seed_(seed), observer_(observer), results_(results), done_(done) {
+  Trial(const LegStudyOptions& options, const ModelError& error, std::uint64_t seed,
+        const Contenders& contenders, std::vector<LegResult>& results,
+        const std::function<void(const LegResult&)>& done)
+      : options_(options),
+        error_(error),
+        seed_(seed),
+        contenders_(contenders),
+        observer_(contenders.observer),
+        results_(results),
+        done_(done) {
     LegRunOptions run{.seconds = options.seconds, .error = error, .passive = options.passive};
     const std::uint64_t first = kSeedSpan * seed;
-    training_ = observeAll(recordLegs(run, first, options.training_runs), observer);
-    validation_ = observeAll(recordLegs(run, first + kValidationFrom, options.validation_runs), observer);
+    training_recordings_ = recordLegs(run, first, options.training_runs);
+    training_ = observeAll(training_recordings_, observer_);
+    validation_ = observeAll(recordLegs(run, first + kValidationFrom, options.validation_runs), observer_);
     run.passive = false;
     test_recordings_ = recordLegs(run, first + kTestFrom, options.test_runs);
-    test_ = observeAll(test_recordings_, observer);
+    test_ = observeAll(test_recordings_, observer_);
   }
 
   void run(double horizon_s) {
@@ -72,6 +97,12 @@ class Trial {
       report("constant rate", horizon_s, [&](std::size_t i) {
         return predictConstantRate(test_recordings_[i], test_[i], observer_, horizon_s);
       });
+    }
+    for (const auto& [body, values] : contenders_.adaptive) {
+      reportAdaptive(body, values, horizon_s);
+    }
+    if (!options_.network) {
+      return;
     }
     PreparationOptions preparation{.features = train::deployableFeatures(2, false),
                                    .output = network::OutputKind::kTorqueCorrection,
@@ -100,6 +131,24 @@ class Trial {
           sequenceOf(run, preparation, Role::kValidation, fmt::format("validation {}", all.size())));
     }
     return all;
+  }
+
+  /// Each test run from the nominal model; then from what the training runs, which need no truth for that,
+  /// have taught of the rig.
+  void reportAdaptive(AdaptedBody body, std::span<const double> values, double horizon_s) {
+    const std::string name = adaptiveMethod(body).name;
+    AdaptiveFilter filter = makeAdaptiveFilter(body, values);
+    report(name, horizon_s, [&](std::size_t i) {
+      return deliverAdaptive(filter, test_recordings_[i], test_[i], false, horizon_s);
+    });
+    for (std::size_t i = 0; i < training_.size(); ++i) {
+      deliverAdaptive(filter, training_recordings_[i], training_[i], i > 0, horizon_s);
+    }
+    const AdaptiveFilter trained = filter;
+    report(name + ", after the training runs", horizon_s, [&](std::size_t i) {
+      AdaptiveFilter copy = trained;
+      return deliverAdaptive(copy, test_recordings_[i], test_[i], true, horizon_s);
+    });
   }
 
   void reportNetwork(const std::string& name, const PreparationOptions& preparation,
@@ -143,9 +192,11 @@ class Trial {
   const LegStudyOptions& options_;
   ModelError error_;
   std::uint64_t seed_;
+  const Contenders& contenders_;
   const Tuned& observer_;
   std::vector<LegResult>& results_;
   const std::function<void(const LegResult&)>& done_;
+  std::vector<Recording> training_recordings_;
   std::vector<ObservedRun> training_;
   std::vector<ObservedRun> validation_;
   std::vector<Recording> test_recordings_;
@@ -169,9 +220,10 @@ std::vector<LegResult> legStudy(const LegStudyOptions& options,
   std::vector<LegResult> results;
   for (const ModelError& error : options.errors) {
     const LegRunOptions run{.seconds = options.seconds, .error = error};
-    const Tuned observer = bestObserver(recordLegs(run, kSeedSpan, options.tuning_runs));
+    const Contenders contenders =
+        contendersOf(recordLegs(run, kSeedSpan, options.tuning_runs), options.adapt);
     for (int seed = 1; seed <= options.seeds; ++seed) {
-      Trial trial(options, error, static_cast<std::uint64_t>(seed), observer, results, done);
+      Trial trial(options, error, static_cast<std::uint64_t>(seed), contenders, results, done);
       for (const double horizon_s : options.horizons_s) {
         trial.run(horizon_s);
       }

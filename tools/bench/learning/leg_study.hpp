@@ -19,6 +19,8 @@ struct LegStudyOptions {
   std::vector<double> horizons_s{0.0};
   bool ablations = false;  ///< besides: without attention, without LSTM, without what the observer says
   bool passive = false;    ///< trained on runs in which the patient does not push, tested where he does
+  bool adapt = false;   ///< besides: filters that adapt the model's parameters, from nominal and as trained
+  bool network = true;  ///< false: without it and its training, observers and filters alone
   int seeds = 3;
   int training_runs = 30;
   int validation_runs = 6;

@@ -56,6 +56,8 @@ void declare(CLI::App& app, LegArguments& a) {
   app.add_option("--horizons-ms", a.horizons_ms, "how far ahead")->delimiter(',')->capture_default_str();
   app.add_flag("--ablations", o.ablations, "besides: without attention, LSTM, the observer");
   app.add_flag("--passive", o.passive, "train on runs in which nobody pushes");
+  app.add_flag("--adapt", o.adapt, "besides: Kalman filters that adapt the model's parameters");
+  app.add_flag("!--no-network", o.network, "observers and filters alone, nothing trained");
   app.add_option("--seeds", o.seeds)->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--runs", o.training_runs, "to train on, of each seed")
       ->check(CLI::Range(3, 2000))
