@@ -30,6 +30,8 @@ network::NetworkWeights randomWeights(int window = kWindow);
 
 /// Bytes that one step must read at least: weights, biases, keys and values.
 std::size_t bytesOfStep();
+/// Likewise of LSTM and dense layer alone.
+std::size_t bytesOfRecurrentPart();
 
 /// This project's network, whole: timed is the step with its preparation (one phase), or the step alone.
 Contender ownNetwork(const std::string& name, const network::NetworkWeights& weights,
@@ -47,7 +49,8 @@ std::vector<Contender> eigenPeers(const network::NetworkWeights& weights, bool w
 /// libtorch, whole, or LSTM, dense layer and tanh only. Empty without libtorch in this build.
 std::vector<Contender> torchPeers(const network::NetworkWeights& weights, bool whole);
 
-/// ONNX Runtime, likewise, on a model that keeps the keys and values of past steps. Throws std::runtime_error
+/// ONNX Runtime, likewise; whole, first on a model that keeps the keys and values of past steps, then on one
+/// that works them out anew in every step, as an export of PyTorch's module does. Throws std::runtime_error
 /// where it fails, or gives other numbers than this project's network.
 std::vector<Contender> onnxPeers(const network::NetworkWeights& weights, bool whole);
 

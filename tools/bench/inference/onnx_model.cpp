@@ -41,9 +41,10 @@ class Message {
 };
 
 // Field numbers below are those of onnx.proto3, https://github.com/onnx/onnx.
-constexpr std::int64_t kFloat = 1;  // TensorProto.DataType
-constexpr std::int64_t kInt64 = 7;  // likewise
-constexpr std::int64_t kIsInt = 2;  // AttributeProto.AttributeType
+constexpr std::int64_t kFloat = 1;    // TensorProto.DataType
+constexpr std::int64_t kInt64 = 7;    // likewise
+constexpr std::int64_t kIsInt = 2;    // AttributeProto.AttributeType
+constexpr std::int64_t kAreInts = 7;  // likewise
 constexpr std::int64_t kOpset = 13;
 constexpr std::int64_t kIrVersion = 8;
 
@@ -66,6 +67,15 @@ class Graph {
       message.message(5, Message().bytes(1, name).number(3, value).number(20, kIsInt));
     }
     graph_.message(1, message);
+  }
+
+  void transpose(const std::string& input, const std::string& output, const std::vector<std::int64_t>& axes) {
+    Message order = Message().bytes(1, "perm");
+    for (const std::int64_t axis : axes) {
+      order.number(8, axis);
+    }
+    order.number(20, kAreInts);
+    graph_.message(1, Message().bytes(1, input).bytes(2, output).bytes(4, "Transpose").message(5, order));
   }
 
   void constant(const std::string& name, const Shape& shape, const std::vector<float>& values) {
@@ -146,39 +156,30 @@ void addRecurrent(Graph& graph, const network::NetworkWeights& weights) {
   graph.node("Gemm", {"h", "fc_w", "fc_b"}, {"dense"}, {{"transB", 1}});
 }
 
-void addAttention(Graph& graph, const network::NetworkWeights& weights) {
-  constexpr std::int64_t kWidth = kChannels / kHeads;
+constexpr std::int64_t kWidth = kChannels / kHeads;
+constexpr std::int64_t kToTheEnd = std::numeric_limits<std::int32_t>::max();
+
+/// `newest` behind all but the first of `past` along an axis.
+void addShift(Graph& graph, const std::string& past, const std::string& newest, const std::string& next,
+              std::int64_t axis) {
+  const std::string axis_name = past + "_axis";
+  graph.constant(axis_name, {axis});
+  graph.node("Slice", {past, "second", "end", axis_name}, {past + "_kept"});
+  graph.node("Concat", {past + "_kept", newest}, {next}, {{"axis", axis}});
+}
+
+/// From `z`: the query by heads, `next_keys` and `next_values` from those kept and the newest.
+void addKeptKeys(Graph& graph, const network::NetworkWeights& weights) {
   graph.constant("in_w", {3 * kChannels, kChannels}, valuesOf(weights.in_proj_weight));
   graph.constant("in_b", {3 * kChannels}, valuesOf(weights.in_proj_bias));
-  graph.constant("out_w", {kChannels, kChannels}, valuesOf(weights.out_proj_weight));
-  graph.constant("out_b", {kChannels}, valuesOf(weights.out_proj_bias));
-  graph.constant("y_w", {kOutputs, kChannels}, valuesOf(weights.output_weight));
-  graph.constant("y_b", {kOutputs}, valuesOf(weights.output_bias));
-  graph.constant("scale", {1}, std::vector<float>{1.0F / std::sqrt(static_cast<float>(kWidth))});
   graph.constant("thirds", {kChannels, kChannels, kChannels});
-  graph.constant("as_row", {kHeads, 1, kWidth});
   graph.constant("as_column", {kHeads, kWidth, 1});
-  graph.constant("as_channels", {1, kChannels});
-  graph.constant("second", {1});
-  graph.constant("end", {std::numeric_limits<std::int32_t>::max()});
-  graph.constant("axis_one", {1});
-  graph.constant("axis_two", {2});
   graph.node("Gemm", {"z", "in_w", "in_b"}, {"projected"}, {{"transB", 1}});
   graph.node("Split", {"projected", "thirds"}, {"q_flat", "k_flat", "v_flat"}, {{"axis", 1}});
-  graph.node("Reshape", {"q_flat", "as_row"}, {"q_unscaled"});
-  graph.node("Mul", {"q_unscaled", "scale"}, {"q"});
   graph.node("Reshape", {"k_flat", "as_column"}, {"k"});
   graph.node("Reshape", {"v_flat", "as_row"}, {"v"});
-  graph.node("Slice", {"keys", "second", "end", "axis_two"}, {"kept_keys"});
-  graph.node("Slice", {"values", "second", "end", "axis_one"}, {"kept_values"});
-  graph.node("Concat", {"kept_keys", "k"}, {"next_keys"}, {{"axis", 2}});
-  graph.node("Concat", {"kept_values", "v"}, {"next_values"}, {{"axis", 1}});
-  graph.node("MatMul", {"q", "next_keys"}, {"scores"});
-  graph.node("Softmax", {"scores"}, {"attention"}, {{"axis", 2}});
-  graph.node("MatMul", {"attention", "next_values"}, {"by_head"});
-  graph.node("Reshape", {"by_head", "as_channels"}, {"context"});
-  graph.node("Gemm", {"context", "out_w", "out_b"}, {"attended"}, {{"transB", 1}});
-  graph.node("Gemm", {"attended", "y_w", "y_b"}, {"result"}, {{"transB", 1}});
+  addShift(graph, "keys", "k", "next_keys", 2);
+  addShift(graph, "values", "v", "next_values", 1);
   const Shape keys = {kHeads, kWidth, weights.window};
   const Shape values = {kHeads, weights.window, kWidth};
   graph.input("keys", keys);
@@ -187,9 +188,56 @@ void addAttention(Graph& graph, const network::NetworkWeights& weights) {
   graph.output("next_values", values);
 }
 
+/// The same with all keys and values from `next_past`.
+void addKeysAnew(Graph& graph, const network::NetworkWeights& weights) {
+  addShift(graph, "past", "z", "next_past", 0);
+  for (const int third : {0, 1, 2}) {
+    const network::WeightMatrix weight = weights.in_proj_weight.middleRows(third * kChannels, kChannels);
+    const Eigen::VectorXf bias = weights.in_proj_bias.segment(third * kChannels, kChannels);
+    const std::string name(1, "qkv"[third]);
+    graph.constant(name + "_w", {kChannels, kChannels}, valuesOf(weight));
+    graph.constant(name + "_b", {kChannels}, valuesOf(bias));
+    graph.node("Gemm", {third == 0 ? "z" : "next_past", name + "_w", name + "_b"}, {name + "_flat"},
+               {{"transB", 1}});
+  }
+  graph.constant("by_heads", {weights.window, kHeads, kWidth});
+  graph.node("Reshape", {"k_flat", "by_heads"}, {"k"});
+  graph.node("Reshape", {"v_flat", "by_heads"}, {"v"});
+  graph.transpose("k", "next_keys", {1, 2, 0});
+  graph.transpose("v", "next_values", {1, 0, 2});
+  graph.input("past", {weights.window, kChannels});
+  graph.output("next_past", {weights.window, kChannels});
+}
+
+void addAttention(Graph& graph, const network::NetworkWeights& weights, OnnxForm form) {
+  graph.constant("out_w", {kChannels, kChannels}, valuesOf(weights.out_proj_weight));
+  graph.constant("out_b", {kChannels}, valuesOf(weights.out_proj_bias));
+  graph.constant("y_w", {kOutputs, kChannels}, valuesOf(weights.output_weight));
+  graph.constant("y_b", {kOutputs}, valuesOf(weights.output_bias));
+  graph.constant("scale", {1}, std::vector<float>{1.0F / std::sqrt(static_cast<float>(kWidth))});
+  graph.constant("as_row", {kHeads, 1, kWidth});
+  graph.constant("as_channels", {1, kChannels});
+  graph.constant("second", {1});
+  graph.constant("end", {kToTheEnd});
+  if (form == OnnxForm::kKept) {
+    addKeptKeys(graph, weights);
+  } else {
+    addKeysAnew(graph, weights);
+  }
+  graph.node("Reshape", {"q_flat", "as_row"}, {"q_unscaled"});
+  graph.node("Mul", {"q_unscaled", "scale"}, {"q"});
+  graph.node("MatMul", {"q", "next_keys"}, {"scores"});
+  graph.node("Softmax", {"scores"}, {"attention"}, {{"axis", 2}});
+  graph.node("MatMul", {"attention", "next_values"}, {"by_head"});
+  graph.node("Reshape", {"by_head", "as_channels"}, {"context"});
+  graph.node("Gemm", {"context", "out_w", "out_b"}, {"attended"}, {{"transB", 1}});
+  graph.node("Gemm", {"attended", "y_w", "y_b"}, {"result"}, {{"transB", 1}});
+}
+
 }  // namespace
 
-std::string onnxModel(const network::NetworkWeights& weights, bool whole) {
+std::string onnxModel(const network::NetworkWeights& weights, OnnxForm form) {
+  const bool whole = form != OnnxForm::kRecurrent;
   Graph graph;
   graph.input("features", {1, 1, kInputs});
   for (const char* state : {"hidden", "cell"}) {
@@ -199,7 +247,7 @@ std::string onnxModel(const network::NetworkWeights& weights, bool whole) {
   addRecurrent(graph, weights);
   graph.node("Tanh", {"dense"}, {whole ? "z" : "result"});
   if (whole) {
-    addAttention(graph, weights);
+    addAttention(graph, weights, form);
   }
   graph.output("result", {1, whole ? kOutputs : kChannels});
   return graph.model();

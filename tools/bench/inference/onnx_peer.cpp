@@ -61,24 +61,29 @@ class Tensor {
 /// its state to one of two sets of tensors and reads the other.
 class OnnxPeer {
  public:
-  OnnxPeer(const network::NetworkWeights& weights, bool whole) {
+  OnnxPeer(const network::NetworkWeights& weights, OnnxForm form) {
     OrtSessionOptions* options = nullptr;
     require(api().CreateEnv(ORT_LOGGING_LEVEL_ERROR, "patella", &environment_));
     require(api().CreateSessionOptions(&options));
     require(api().SetIntraOpNumThreads(options, 1));
     require(api().SetInterOpNumThreads(options, 1));
     require(api().SetSessionGraphOptimizationLevel(options, ORT_ENABLE_ALL));
-    const std::string model = onnxModel(weights, whole);
+    const std::string model = onnxModel(weights, form);
     require(api().CreateSessionFromArray(environment_, model.data(), model.size(), options, &session_));
     api().ReleaseSessionOptions(options);
     require(api().CreateCpuMemoryInfo(OrtArenaAllocator, OrtMemTypeDefault, &memory_));
     features_ = std::make_unique<Tensor>(memory_, Shape{1, 1, kInputs});
-    result_ = std::make_unique<Tensor>(memory_, Shape{1, whole ? kOutputs : kChannels});
+    result_ =
+        std::make_unique<Tensor>(memory_, Shape{1, form == OnnxForm::kRecurrent ? kChannels : kOutputs});
     constexpr std::int64_t kWidth = kChannels / kHeads;
     std::vector<Shape> states = {{1, 1, kHidden}, {1, 1, kHidden}};
-    if (whole) {
+    if (form == OnnxForm::kKept) {
       states.push_back({kHeads, kWidth, weights.window});
       states.push_back({kHeads, weights.window, kWidth});
+    } else if (form == OnnxForm::kAnew) {
+      states.push_back({weights.window, kChannels});
+      input_names_[3] = "past";
+      output_names_[3] = "next_past";
     }
     for (auto& side : states_) {
       for (const Shape& shape : states) {
@@ -104,7 +109,7 @@ class OnnxPeer {
       inputs[1 + i] = states_[newest_][i]->value();
       outputs[1 + i] = states_[1 - newest_][i]->value();
     }
-    require(api().Run(session_, nullptr, kInputNames.data(), inputs.data(), 1 + states, kOutputNames.data(),
+    require(api().Run(session_, nullptr, input_names_.data(), inputs.data(), 1 + states, output_names_.data(),
                       1 + states, outputs.data()));
     newest_ = 1 - newest_;
     return result_->numbers();
@@ -112,10 +117,10 @@ class OnnxPeer {
 
  private:
   using Shape = std::vector<std::int64_t>;
-  static constexpr std::array<const char*, 5> kInputNames = {"features", "hidden", "cell", "keys", "values"};
-  static constexpr std::array<const char*, 5> kOutputNames = {"result", "next_hidden", "next_cell",
-                                                              "next_keys", "next_values"};
 
+  std::array<const char*, 5> input_names_ = {"features", "hidden", "cell", "keys", "values"};
+  std::array<const char*, 5> output_names_ = {"result", "next_hidden", "next_cell", "next_keys",
+                                              "next_values"};
   OrtEnv* environment_ = nullptr;
   OrtSession* session_ = nullptr;
   OrtMemoryInfo* memory_ = nullptr;
@@ -125,10 +130,10 @@ class OnnxPeer {
   std::size_t newest_ = 0;
 };
 
-/// A peer that says something else is no peer. Only once W steps have passed: before, its keys are zeros.
-void requireSameNumbers(const network::NetworkWeights& weights) {
+/// A peer that says something else is no peer. Only once W steps have passed: before, its past is zeros.
+void requireSameNumbers(const network::NetworkWeights& weights, OnnxForm form) {
   constexpr double kTolerance = 1e-4;
-  OnnxPeer peer(weights, true);
+  OnnxPeer peer(weights, form);
   network::AttentionLstm own(weights);
   for (int step = 0; step < 2 * weights.window; ++step) {
     std::array<double, kInputs> features{};
@@ -148,13 +153,19 @@ void requireSameNumbers(const network::NetworkWeights& weights) {
 }  // namespace
 
 std::vector<Contender> onnxPeers(const network::NetworkWeights& weights, bool whole) {
-  if (whole) {
-    requireSameNumbers(weights);
+  const std::string name = std::string("ONNX Runtime ") + OrtGetApiBase()->GetVersionString();
+  const auto contender = [&](OnnxForm form, const std::string& suffix) -> Contender {
+    const auto peer = std::make_shared<OnnxPeer>(weights, form);
+    return {.name = name + suffix,
+            .before = [] {},
+            .run = [peer](std::span<const double> features) { return peer->step(features)[0]; }};
+  };
+  if (!whole) {
+    return {contender(OnnxForm::kRecurrent, "")};
   }
-  const auto peer = std::make_shared<OnnxPeer>(weights, whole);
-  return {{.name = std::string("ONNX Runtime ") + OrtGetApiBase()->GetVersionString(),
-           .before = [] {},
-           .run = [peer](std::span<const double> features) { return peer->step(features)[0]; }}};
+  requireSameNumbers(weights, OnnxForm::kKept);
+  requireSameNumbers(weights, OnnxForm::kAnew);
+  return {contender(OnnxForm::kKept, ", keys kept"), contender(OnnxForm::kAnew, ", keys anew")};
 }
 
 }  // namespace patella::bench

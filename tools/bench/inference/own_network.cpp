@@ -39,13 +39,17 @@ struct RecurrentPart {
 
 }  // namespace
 
-std::size_t bytesOfStep() {
+std::size_t bytesOfRecurrentPart() {
   constexpr std::size_t kGates = 4 * kHidden;
-  constexpr std::size_t kProjected = 2 * kChannels + kHeads * kOutputs;
-  constexpr std::size_t kFloats = kGates * (kInputs + kHidden + 1) + kChannels * (kHidden + 1) +
-                                  kProjected * (kChannels + 1) +
-                                  static_cast<std::size_t>(kWindow) * (kChannels + kHeads * kOutputs);
+  constexpr std::size_t kFloats = kGates * (kInputs + kHidden + 1) + kChannels * (kHidden + 1);
   return kFloats * sizeof(float);
+}
+
+std::size_t bytesOfStep() {
+  constexpr std::size_t kProjected = 2 * kChannels + kHeads * kOutputs;
+  constexpr std::size_t kFloats =
+      kProjected * (kChannels + 1) + static_cast<std::size_t>(kWindow) * (kChannels + kHeads * kOutputs);
+  return bytesOfRecurrentPart() + kFloats * sizeof(float);
 }
 
 Contender ownNetwork(const std::string& name, const network::NetworkWeights& weights,
