@@ -26,6 +26,12 @@ const std::array<std::string_view, kFeatureCount>& featureNames() noexcept {
                                                                          "d_hat2_Nm",
                                                                          "ddq_hat1_rad_s2",
                                                                          "ddq_hat2_rad_s2",
+                                                                         "d_rise_20ms1_Nm",
+                                                                         "d_rise_20ms2_Nm",
+                                                                         "d_rise_60ms1_Nm",
+                                                                         "d_rise_60ms2_Nm",
+                                                                         "d_rise_180ms1_Nm",
+                                                                         "d_rise_180ms2_Nm",
                                                                          "time_s"};
   return kNames;
 }

@@ -10,6 +10,11 @@
 
 namespace patella::tick {
 
+/// Time constants of the first-order low-passes above which the observer's torque lies by its rise: how it
+/// has changed of late, which a network would have to find as the small difference of large inputs.
+inline constexpr int kRiseTimes = 3;
+inline constexpr std::array<double, kRiseTimes> kRiseTimes_s{0.02, 0.06, 0.18};
+
 /// Index of a quantity in FeatureVector. Quantities of the second joint follow those of the first.
 enum Feature : int {
   kPosition = 0,
@@ -21,7 +26,8 @@ enum Feature : int {
   kObserverFiltered = kObserver + kMaxJoints,
   kObserverTorque = kObserverFiltered + kMaxJoints,  ///< the filtered estimate as joint torque
   kAcceleration = kObserverTorque + kMaxJoints,      ///< f + I⁻¹ τ + the filtered estimate
-  kTime = kAcceleration + kMaxJoints,
+  kRise = kAcceleration + kMaxJoints,                ///< of kObserverTorque, for each of kRiseTimes_s
+  kTime = kRise + kRiseTimes * kMaxJoints,
   kFeatureCount
 };
 

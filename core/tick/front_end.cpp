@@ -1,5 +1,7 @@
 #include "core/tick/front_end.hpp"
 
+#include <cmath>
+
 #include "core/signal/butterworth.hpp"
 
 namespace patella::tick {
@@ -31,6 +33,7 @@ FrontEnd::FrontEnd(const FrontEndSettings& settings, model::DynamicsModel model,
                               &estimates_.f_s_filtered, &estimates_.d_hat_Nm, &previous_torque_Nm_}) {
     vector->setZero(joints());
   }
+  settled_Nm_.fill(JointVector::Zero(joints()));
   terms_ = model_.evaluate(state_);
 }
 
@@ -71,6 +74,9 @@ bool FrontEnd::update(const Measurement& m, const EmgArray& activation, const Jo
     estimates_.f_s_filtered[joint] = filter_[static_cast<std::size_t>(joint)].step(estimates_.f_s[joint]);
   }
   estimates_.d_hat_Nm = terms_.inertia * estimates_.f_s_filtered;
+  for (std::size_t i = 0; i < settled_Nm_.size(); ++i) {
+    settled_Nm_[i] += -std::expm1(-step_s_ / kRiseTimes_s[i]) * (estimates_.d_hat_Nm - settled_Nm_[i]);
+  }
   return true;
 }
 
@@ -85,6 +91,9 @@ void FrontEnd::restart() noexcept PATELLA_NONBLOCKING {
   estimates_.f_s.setZero();
   estimates_.f_s_filtered.setZero();
   estimates_.d_hat_Nm.setZero();
+  for (JointVector& settled : settled_Nm_) {
+    settled.setZero();
+  }
 }
 
 estimation::ObserverInput FrontEnd::observerInput() const noexcept {
@@ -115,6 +124,10 @@ void FrontEnd::features(FeatureVector& values) const noexcept PATELLA_NONBLOCKIN
     at(kObserverFiltered, joint) = estimates_.f_s_filtered[joint];
     at(kObserverTorque, joint) = estimates_.d_hat_Nm[joint];
     at(kAcceleration, joint) = acceleration[joint];
+    for (int i = 0; i < kRiseTimes; ++i) {
+      at(kRise + i * kMaxJoints, joint) =
+          estimates_.d_hat_Nm[joint] - settled_Nm_[static_cast<std::size_t>(i)][joint];
+    }
   }
   for (int channel = 0; channel < kMaxEmgChannels; ++channel) {
     at(kActivation, channel) = state_.activation[static_cast<std::size_t>(channel)];

@@ -75,7 +75,8 @@ class FrontEnd {
   model::EffectInput state_;
   model::ModelTerms terms_;
   Estimates estimates_;
-  JointVector previous_torque_Nm_;  ///< applied at the sample before
+  std::array<JointVector, kRiseTimes> settled_Nm_;  ///< d_hat_Nm behind the low-passes of kRiseTimes_s
+  JointVector previous_torque_Nm_;                  ///< applied at the sample before
   double step_s_;
   StageProbe* probe_ = nullptr;
   bool has_velocity_ = false;  ///< state_.dq was measured

@@ -99,6 +99,9 @@ std::vector<std::string> deployableFeatures(int joints, bool has_emg) {
   perJoint(names, joints, "f_s_filtered", "rad_s2");
   perJoint(names, joints, "d_hat", "Nm");
   perJoint(names, joints, "ddq_hat", "rad_s2");
+  for (const char* rise : {"d_rise_20ms", "d_rise_60ms", "d_rise_180ms"}) {
+    perJoint(names, joints, rise, "Nm");
+  }
   return names;
 }
 

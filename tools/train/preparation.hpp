@@ -24,7 +24,7 @@ const std::vector<std::string>& targetNames();
 
 /// Names of features, in the order of the network's inputs. `paper`: angles, velocities, time. `deployable`:
 /// angles, velocities, torque that acted, activation where there is EMG, and the observer's filtered estimate
-/// as acceleration and torque with the acceleration that it implies.
+/// as acceleration and torque, with the acceleration that it implies and how it has changed of late.
 std::vector<std::string> paperFeatures(int joints);
 std::vector<std::string> deployableFeatures(int joints, bool has_emg);
 
