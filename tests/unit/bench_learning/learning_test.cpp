@@ -106,6 +106,8 @@ TEST_CASE("a table holds every estimator against the first of its condition") {
       {.condition = "c", .estimator = "observer", .seed = 2, .error_Nm = {0.2, 0.2}, .delay_s = {}},
       {.condition = "c", .estimator = "network", .seed = 2, .error_Nm = {0.1, 0.1}, .delay_s = {}}};
   const std::string text = table(results);
-  CHECK(text.find("| observer | 0.2500 ± 0.6353 | 0.1500 ± 0.6353 | 1.00 ± 0.00 |") != std::string::npos);
-  CHECK(text.find("| network | 0.1000 ± 0.0000 | 0.1000 ± 0.0000 | 0.50 ± 0.00 |") != std::string::npos);
+  CHECK(text.find("| observer | 0.2500 ± 0.6353 | 0.1500 ± 0.6353 | 1.00 ± 0.00 (1.00, 1.00) |") !=
+        std::string::npos);
+  CHECK(text.find("| network | 0.1000 ± 0.0000 | 0.1000 ± 0.0000 | 0.50 ± 0.00 (0.50, 0.50) |") !=
+        std::string::npos);
 }

@@ -114,6 +114,9 @@ class Trial {
       training.window = 1;
       reportNetwork("without attention", preparation, training);
       reportLinear(preparation);
+      PreparationOptions now = preparation;
+      std::erase_if(now.features, [](const std::string& name) { return name.starts_with("d_rise"); });
+      reportNetwork("without rises", now, options_.training);
       preparation.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "tau1_Nm", "tau2_Nm"};
       preparation.output = network::OutputKind::kTorque;
       reportNetwork("without the observer", preparation, options_.training);

@@ -54,7 +54,7 @@ void declare(CLI::App& app, LegArguments& a) {
       ->capture_default_str();
   app.add_flag("--individual", a.individual, "each patient has his own error within those bounds");
   app.add_option("--horizons-ms", a.horizons_ms, "how far ahead")->delimiter(',')->capture_default_str();
-  app.add_flag("--ablations", o.ablations, "besides: without attention, LSTM, the observer");
+  app.add_flag("--ablations", o.ablations, "besides: without attention, LSTM, rises, the observer");
   app.add_flag("--passive", o.passive, "train on runs in which nobody pushes");
   app.add_flag("--adapt", o.adapt, "besides: Kalman filters that adapt the model's parameters");
   app.add_flag("!--no-network", o.network, "observers and filters alone, nothing trained");

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace patella::bench {
 namespace {
@@ -78,15 +79,18 @@ std::string line(const LegResult& r) {
 
 std::string table(std::span<const LegResult> results) {
   std::string text =
-      "| condition | ahead / ms | estimator | joint 1 / N·m | joint 2 / N·m | ratio to the observer | delay "
+      "| condition | ahead / ms | estimator | joint 1 / N·m | joint 2 / N·m | ratio to the observer (each "
+      "seed) | delay "
       "/ ms |\n"
       "|---|---|---|---|---|---|---|\n";
   for (const Row& row : rowsOf(results)) {
     text += fmt::format(
-        "| {} | {:g} | {} | {:.4f} ± {:.4f} | {:.4f} ± {:.4f} | {:.2f} ± {:.2f} | {:.0f} / {:.0f} |\n",
+        "| {} | {:g} | {} | {:.4f} ± {:.4f} | {:.4f} ± {:.4f} | {:.2f} ± {:.2f} ({:.2f}) | {:.0f} / {:.0f} "
+        "|\n",
         row.first->condition, 1e3 * row.first->horizon_s, row.first->estimator, meanOf(row.error[0]),
         halfInterval(row.error[0]), meanOf(row.error[1]), halfInterval(row.error[1]), meanOf(row.ratio),
-        halfInterval(row.ratio), meanOf(row.delay_ms[0]), meanOf(row.delay_ms[1]));
+        halfInterval(row.ratio), fmt::join(row.ratio, ", "), meanOf(row.delay_ms[0]),
+        meanOf(row.delay_ms[1]));
   }
   return text;
 }

@@ -12,7 +12,8 @@ namespace patella::bench {
 std::string line(const LegResult& result);
 
 /// In Markdown: means over seeds with 95 % confidence intervals (Student's t), and the ratio of each seed's
-/// error, summed over joints, to that of the first estimator of its condition and horizon.
+/// error, summed over joints, to that of the first estimator of its condition and horizon, each and their
+/// mean.
 std::string table(std::span<const LegResult> results);
 
 /// Half the width of the 95 % interval of a mean; 0 of a single value.
