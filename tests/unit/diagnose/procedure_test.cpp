@@ -120,7 +120,7 @@ TEST_CASE("a spring over two joints and one that hardens are unknown, by their v
 }
 
 TEST_CASE("wrong masses are no effect") {
-  for (const std::uint64_t seed : {3000001, 3000002, 3000003, 94000007, 94000100}) {
+  for (const std::uint64_t seed : {3000001, 94000007, 94000100}) {
     CAPTURE(seed);
     const Case drawn = drawCase(seed, Suite::kNone, {.effect = {}, .mechanism = {}, .motion = "multisine"});
     const diagnose::Diagnosis diagnosis = diagnosed(drawn);
