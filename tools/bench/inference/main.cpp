@@ -1,10 +1,13 @@
 // patella-bench-inference: what a step of the network costs, and what it costs others.
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "core/network/attention_lstm.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 #include "tools/bench/inference/measurement.hpp"
 
 namespace {
@@ -164,9 +167,24 @@ void run(const MeasurementOptions& options) {
   printRatios(field, timings[0]);
 }
 
+// What 16 bits cost trained networks: by how much the outputs may differ.
+void printInt16Errors(const std::vector<std::string>& files) {
+  std::printf(
+      "largest difference of int16 from float32, in units of output_scale, on sines and noise once and "
+      "three\n"
+      "times as wide as feature_scale:\n");
+  for (const std::string& file : files) {
+    const network::NetworkWeights weights = app::loadNetworkWeights(file);
+    std::printf("  %-60s %.1e\n", file.c_str(), network::AttentionLstm::int16Error(weights));
+  }
+}
+
 int runFromCommandLine(int argc, char** argv) {
   CLI::App app("Times a step of the network against the memory it reads and against peers, taking turns.");
   MeasurementOptions options;
+  std::vector<std::string> weights;
+  app.add_option("--weights", weights, "trained networks: prints what 16 bits cost each, and times nothing")
+      ->check(CLI::ExistingFile);
   app.add_option("--rounds", options.rounds, "turns of every contender")->check(CLI::Range(1, 100000));
   app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")->check(CLI::Range(1, 10000));
   app.add_option("--eviction-MB", options.eviction_MB, "memory written to empty the caches")
@@ -176,7 +194,11 @@ int runFromCommandLine(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 1;
   }
-  run(options);
+  if (weights.empty()) {
+    run(options);
+  } else {
+    printInt16Errors(weights);
+  }
   return 0;
 }
 
