@@ -14,7 +14,7 @@ namespace patella::diagnose {
 Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed);
 
 /// Drops, one by one, effects that are not established: one number whose 95 % interval holds zero, beside
-/// others that were found later; or one of which no parameter is known to within its tenfold. Returns their
+/// other findings; or one of which no parameter is known to within its tenfold. Returns their
 /// labels.
 std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection, int replicates,
                                                   std::uint64_t seed);

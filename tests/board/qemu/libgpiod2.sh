@@ -4,7 +4,7 @@
 #
 #   tests/board/qemu/libgpiod2.sh [--artefacts DIR] [SCENARIO]
 #
-# Needs root and mmdebstrap; the Debian 13 is kept in build/board/trixie (PATELLA_BOARD_CACHE), 0.6 GB. Exit status: the
+# Needs root and mmdebstrap; the Debian 13 is kept in build/board/trixie (PATELLA_BOARD_CACHE), 0.5 GB. Exit status: the
 # scenario's; 77 where a Debian 13 or the board cannot be had.
 set -euo pipefail
 source_dir=$(cd "$(dirname "$0")/../../.." && pwd)

@@ -61,12 +61,7 @@ Delivered deliverAdaptive(AdaptiveFilter& filter, const Recording& recording, co
       continue;
     }
     const JointVector estimate = filter.push_Nm(input, horizon_s);
-    const JointVector truth = run.observed.inputs[k + ahead].terms.inertia *
-                              JointVector(run.truth.row(static_cast<Eigen::Index>(k + ahead)).transpose());
-    for (std::size_t joint = 0; joint < 2; ++joint) {
-      trace.estimate[joint].push_back(estimate[static_cast<Eigen::Index>(joint)]);
-      trace.truth[joint].push_back(truth[static_cast<Eigen::Index>(joint)]);
-    }
+    append(trace, estimate, run, static_cast<Eigen::Index>(k + ahead));
   }
   return trace;
 }

@@ -1,6 +1,9 @@
 // The model's parameters adapted while the push is estimated, as a contender beside observers and network.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "tools/bench/learning/adaptive_filter.hpp"
 #include "tools/bench/learning/corrected.hpp"
 
@@ -17,6 +20,7 @@ enum class AdaptedBody : std::uint8_t {
 /// not show it.
 Method adaptiveMethod(AdaptedBody body);
 
+/// `values`: densities of both components of the push, N/s^{3/2}, and its corner, Hz.
 AdaptiveFilter makeAdaptiveFilter(AdaptedBody body, std::span<const double> values);
 
 /// Passes a run through the filter, from the nominal model or, `keep`, with what the filter knows of it

@@ -46,11 +46,7 @@ Delivered deliver(const ObservedRun& run, double horizon_s, Estimate estimate) {
     if (k < settling) {
       continue;
     }
-    const JointVector truth = torqueOf(run, run.truth, k + ahead);
-    for (std::size_t joint = 0; joint < 2; ++joint) {
-      trace.estimate[joint].push_back(value[static_cast<Eigen::Index>(joint)]);
-      trace.truth[joint].push_back(truth[static_cast<Eigen::Index>(joint)]);
-    }
+    append(trace, value, run, k + ahead);
   }
   return trace;
 }
@@ -112,6 +108,14 @@ Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions
                          const network::NetworkWeights& weights) {
   network::AttentionLstm network(weights);
   return deliverSteps(run, options, [&](std::span<const double> features) { return network.step(features); });
+}
+
+void append(Delivered& trace, const JointVector& estimate_Nm, const ObservedRun& run, Eigen::Index sample) {
+  const JointVector truth_Nm = torqueOf(run, run.truth, sample);
+  for (std::size_t joint = 0; joint < 2; ++joint) {
+    trace.estimate[joint].push_back(estimate_Nm[static_cast<Eigen::Index>(joint)]);
+    trace.truth[joint].push_back(truth_Nm[static_cast<Eigen::Index>(joint)]);
+  }
 }
 
 void append(Delivered& all, const Delivered& more) {

@@ -44,6 +44,8 @@ Delivered deliverSteps(const ObservedRun& run, const train::PreparationOptions& 
 Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
                          const network::NetworkWeights& weights);
 
+/// Appends an estimate, and the truth at that sample of the run, as joint torque.
+void append(Delivered& trace, const JointVector& estimate_Nm, const ObservedRun& run, Eigen::Index sample);
 /// Appends one trace to another.
 void append(Delivered& all, const Delivered& more);
 

@@ -41,12 +41,7 @@ Delivered predictConstantRate(const Recording& recording, const ObservedRun& run
     state.segment(layout.w(), layout.unknowns) += horizon_s * state.segment(layout.rate(), layout.rates);
     const JointVector posture = state.head(n);
     const JointVector d_Nm = model.mechanism().inertia(posture) * filter->unknownDynamics(state, input);
-    const JointVector truth = run.observed.inputs[k + ahead].terms.inertia *
-                              JointVector(run.truth.row(static_cast<Eigen::Index>(k + ahead)).transpose());
-    for (std::size_t joint = 0; joint < 2; ++joint) {
-      trace.estimate[joint].push_back(d_Nm[static_cast<Eigen::Index>(joint)]);
-      trace.truth[joint].push_back(truth[static_cast<Eigen::Index>(joint)]);
-    }
+    append(trace, d_Nm, run, static_cast<Eigen::Index>(k + ahead));
   }
   return trace;
 }
