@@ -45,17 +45,22 @@ AttentionLstm::AttentionLstm(const NetworkWeights& weights, Precision precision,
       dense_weight_(weights.fc_weight.cast<double>(), precision),
       dense_bias_(dense_weight_.paddedRows()),
       dense_(dense_weight_.paddedRows(), precision),
-      attention_(weights, precision) {
+      attention_(weights, precision),
+      linear_() {
   layers_.reserve(weights.lstm.size());
   for (const LstmWeights& layer : weights.lstm)
     layers_.emplace_back(layer, layers_.empty() ? Precision::kFloat32 : precision, precision);
   std::copy_n(weights.fc_bias.data(), weights.fc_bias.size(), dense_bias_.data());
+  if (!weights.linear_lags.empty())
+    linear_.emplace(weights);
 }
 
 void AttentionLstm::reset() noexcept {
   for (LstmLayer& layer : layers_)
     layer.reset();
   attention_.reset();
+  if (linear_)
+    linear_->reset();
   prepared_ = false;
 }
 
@@ -64,6 +69,8 @@ void AttentionLstm::prepare() noexcept PATELLA_NONBLOCKING {
     return;
   for (LstmLayer& layer : layers_)
     layer.prepare(*functions_);
+  if (linear_)
+    linear_->prepare();
   prepared_ = true;
 }
 
@@ -83,6 +90,11 @@ JointVector AttentionLstm::step(std::span<const double> features) noexcept PATEL
   dense_weight_.productTanh(*functions_, *signal, dense_bias_.data(), dense_.data());
   dense_.round(*functions_);
   attention_.step(*functions_, dense_, output.data());
+  if (linear_) {
+    if (!prepared_)
+      linear_->prepare();
+    linear_->step(*functions_, input_, output.data());
+  }
   output.array() += static_cast<double>(poison + dense_.poison());
   prepared_ = false;
   return output;

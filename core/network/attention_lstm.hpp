@@ -1,11 +1,13 @@
 // The network of the loop: one step a tick, state carried.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/network/causal_attention.hpp"
 #include "core/network/inference_options.hpp"
+#include "core/network/linear_history.hpp"
 #include "core/network/lstm_layer.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/types.hpp"
@@ -13,9 +15,10 @@
 namespace patella::network {
 
 /// Features -> LSTM (one or two layers) -> dense -> tanh -> causal multi-head attention over the last
-/// `window` steps, (31) to (34) -> dense. float32 or int16 inside, double at both ends; no heap after
-/// construction; the same inputs give the same bits, with every instruction set. What PyTorch computes with a
-/// causal mask over the whole sequence, this computes step by step. Movable, not copyable.
+/// `window` steps, (31) to (34) -> dense; beside them, where the weights have it, a linear function of
+/// features of now and of some while ago, added to the output. float32 or int16 inside, double at both ends;
+/// no heap after construction; the same inputs give the same bits, with every instruction set. What PyTorch
+/// computes with a causal mask over the whole sequence, this computes step by step. Movable, not copyable.
 class AttentionLstm {
  public:
   /// Throws std::invalid_argument naming the tensor or quantity that does not fit (see checkWeights), an
@@ -58,6 +61,7 @@ class AttentionLstm {
   AlignedFloats dense_bias_;
   Signal dense_;
   CausalAttention attention_;
+  std::optional<LinearHistory> linear_;
   bool prepared_ = false;
 };
 

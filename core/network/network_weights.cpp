@@ -67,6 +67,18 @@ NetworkShape shapeOf(const NetworkWeights& weights) noexcept {
           .outputs = weights.output_weight.rows()};
 }
 
+void checkLinearLags(const std::vector<int>& lags) {
+  if (lags.size() > kMaxLinearLags)
+    fail("linear_lags: " + std::to_string(lags.size()) + " values, expected at most " +
+         std::to_string(kMaxLinearLags));
+  if (!lags.empty() && lags.front() != 0)
+    fail("linear_lags: " + std::to_string(lags.front()) + " first, expected 0");
+  for (std::size_t i = 1; i < lags.size(); ++i)
+    if (lags[i] <= lags[i - 1] || lags[i] >= kMaxWindow)
+      fail("linear_lags: " + std::to_string(lags[i]) + " after " + std::to_string(lags[i - 1]) +
+           ", expected more, up to " + std::to_string(kMaxWindow - 1));
+}
+
 void checkWeights(const NetworkWeights& weights) {
   const NetworkShape shape = shapeOf(weights);
   checkRange("lstm layers", shape.layers, kMaxLstmLayers);
@@ -86,6 +98,10 @@ void checkWeights(const NetworkWeights& weights) {
   checkScale("feature_scale", weights.feature_scale, shape.inputs);
   checkNumbers("output_mean", weights.output_mean, shape.outputs);
   checkScale("output_scale", weights.output_scale, shape.outputs);
+  checkLinearLags(weights.linear_lags);
+  if (weights.linear_lags.empty() && weights.linear_weight.size() != 0)
+    fail("tensor 'linear.weight': shape " + shapeText(weights.linear_weight) +
+         ", expected none where linear_lags is empty");
   visitTensors(weights, shape,
                [](const std::string& name, const auto& tensor, Eigen::Index rows, Eigen::Index cols) {
                  using Tensor = std::decay_t<decltype(tensor)>;

@@ -13,6 +13,7 @@ inline constexpr int kMaxLstmLayers = 2;
 /// Bounds the ring of keys and values that a weights file may ask for: 4 s at 1 kHz.
 inline constexpr int kMaxWindow = 4096;
 inline constexpr int kMaxWidth = 4096;  ///< of any layer
+inline constexpr int kMaxLinearLags = 64;
 
 using WeightMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using WeightVector = Eigen::VectorXf;
@@ -49,8 +50,12 @@ struct NetworkWeights {
   WeightVector out_proj_bias;     ///< D
   WeightMatrix output_weight;     ///< outputs x D
   WeightVector output_bias;       ///< outputs
-  int heads = 8;                  ///< divides D
-  int window = 64;                ///< steps the newest query sees, itself included
+  /// outputs x (lags * inputs), lag after lag: acts beside LSTM and attention on the normalised features of
+  /// now and of some steps ago, and is added to the output. No elements where there are no lags.
+  WeightMatrix linear_weight;
+  std::vector<int> linear_lags;  ///< steps, ascending from 0, below kMaxWindow; empty: no linear path
+  int heads = 8;                 ///< divides D
+  int window = 64;               ///< steps the newest query sees, itself included
   AttentionScale attention_scale = AttentionScale::kInvSqrt;
 
   std::vector<std::string> features;  ///< names with units, in the order of the inputs
@@ -74,12 +79,17 @@ struct NetworkShape {
 /// As the features, weight_hh of the first layer, fc_weight and output_weight have it; nothing is checked.
 NetworkShape shapeOf(const NetworkWeights& weights) noexcept;
 
+/// Throws std::invalid_argument naming what is wrong with linear_lags, unless they are as NetworkWeights
+/// says.
+void checkLinearLags(const std::vector<int>& lags);
+
 /// Throws std::invalid_argument naming the tensor or the quantity, what was found and what was expected,
 /// unless all sizes fit together, all numbers are finite and all scales positive.
 void checkWeights(const NetworkWeights& weights);
 
 /// Calls visit(name, tensor, rows, cols) for every tensor under its PyTorch name, with the shape it must
-/// have; vectors have cols = 1. `weights.lstm` must already hold shape.layers elements.
+/// have; vectors have cols = 1. `weights.lstm` must already hold shape.layers elements, and linear_lags what
+/// it is to hold.
 template <typename Weights, typename Visitor>
 void visitTensors(Weights& weights, const NetworkShape& shape, Visitor visit) {
   const auto [inputs, hidden, layers, channels, outputs] = shape;
@@ -99,6 +109,9 @@ void visitTensors(Weights& weights, const NetworkShape& shape, Visitor visit) {
   visit(std::string("attention.out_proj.bias"), weights.out_proj_bias, channels, Eigen::Index{1});
   visit(std::string("output.weight"), weights.output_weight, outputs, channels);
   visit(std::string("output.bias"), weights.output_bias, outputs, Eigen::Index{1});
+  if (!weights.linear_lags.empty())
+    visit(std::string("linear.weight"), weights.linear_weight, outputs,
+          static_cast<Eigen::Index>(weights.linear_lags.size()) * inputs);
 }
 
 }  // namespace patella::network

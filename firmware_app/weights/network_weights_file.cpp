@@ -27,7 +27,10 @@ constexpr std::array<std::pair<std::string_view, OutputKind>, 4> kOutputKinds = 
      {"acceleration_correction_rad_s2", OutputKind::kAccelerationCorrection},
      {"torque_correction_Nm", OutputKind::kTorqueCorrection}}};
 
-/// Typed access to the metadata. Every key is required: a default for a scale or a unit would be a guess.
+constexpr const char* kLinearLags = "linear_lags";
+
+/// Typed access to the metadata. What is asked for is required: a default for a scale or a unit would be a
+/// guess.
 class MetadataReader {
  public:
   MetadataReader(std::string file, const std::map<std::string, std::string>& metadata)
@@ -53,6 +56,14 @@ class MetadataReader {
     return values;
   }
 
+  std::vector<int> integers(const std::string& key) const {
+    std::vector<int> values;
+    for (const std::string& part : names(key))
+      values.push_back(parse<int>(key, part, "integers, separated by commas"));
+    return values;
+  }
+
+  bool has(const std::string& key) const { return metadata_.count(key) != 0; }
   double number(const std::string& key) const { return parse<double>(key, text(key), "a number"); }
   int integer(const std::string& key) const { return parse<int>(key, text(key), "an integer"); }
 
@@ -189,6 +200,10 @@ network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path) {
   weights.attention_scale = metadata.choice("attention_scale", kAttentionScales);
   weights.output = metadata.choice("output", kOutputKinds);
 
+  // The tensor alone would leave open what it acts on; the list alone, that a tensor was lost.
+  if (metadata.has(kLinearLags) || content.tensors.count("linear.weight") != 0)
+    weights.linear_lags = metadata.integers(kLinearLags);
+
   TensorReader tensors(path.string(), std::move(content.tensors));
   weights.lstm.resize(tensors.has("lstm.weight_ih_l1") ? 2 : 1);
   const NetworkShape shape = {.inputs = static_cast<Eigen::Index>(weights.features.size()),
@@ -227,6 +242,8 @@ void saveNetworkWeights(const std::filesystem::path& path, const network::Networ
                       {"heads", std::to_string(weights.heads)},
                       {"attention_scale", nameOf(weights.attention_scale, kAttentionScales)},
                       {"output", nameOf(weights.output, kOutputKinds)}};
+  if (!weights.linear_lags.empty())
+    content.metadata[kLinearLags] = joined(weights.linear_lags, [](int lag) { return std::to_string(lag); });
   content.metadata.insert(remarks.begin(), remarks.end());
   network::visitTensors(weights, network::shapeOf(weights),
                         [&](const std::string& name, const auto& tensor, Eigen::Index, Eigen::Index) {

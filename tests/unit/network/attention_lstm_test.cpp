@@ -113,6 +113,23 @@ TEST_CASE("streaming equals the equations for any number of heads") {
     }
 }
 
+TEST_CASE("the linear path adds what the equations say, from the first step on") {
+  for (const std::vector<int>& lags : {std::vector{0}, std::vector{0, 1}, std::vector{0, 2, 3, 40}})
+    for (const int outputs : {1, 2}) {
+      CAPTURE(lags.back());
+      RandomNetworkOptions options = smallNetwork(1);
+      options.shape.outputs = outputs;
+      const NetworkWeights without = randomNetwork(options);
+      options.linear_lags = lags;
+      const NetworkWeights weights = randomNetwork(options);
+      const Eigen::MatrixXd features = randomFeatures(weights, 150, 7);
+      const Eigen::MatrixXd expected = loopReference(weights, features);
+      AttentionLstm network(weights);
+      CHECK((run(network, features, Pattern::kTwoPhase) - expected).cwiseAbs().maxCoeff() < 1e-6);
+      CHECK((loopReference(without, features) - expected).colwise().norm().minCoeff() > 1.0);
+    }
+}
+
 TEST_CASE("when prepare() is called, and which variant runs, does not change a bit") {
   for (const Precision precision : {Precision::kFloat32, Precision::kInt16})
     for (const int layers : {1, 2})
@@ -120,6 +137,8 @@ TEST_CASE("when prepare() is called, and which variant runs, does not change a b
         RandomNetworkOptions options;
         options.shape.layers = layers;
         options.heads = heads;
+        if (layers == 2)
+          options.linear_lags = {0, 3, 20};
         const NetworkWeights weights = randomNetwork(options);
         const Eigen::MatrixXd features = randomFeatures(weights, 100, 8);
         AttentionLstm widest(weights, {.precision = precision});
@@ -136,7 +155,9 @@ TEST_CASE("when prepare() is called, and which variant runs, does not change a b
 }
 
 TEST_CASE("reset() returns to the beginning, bit for bit") {
-  const NetworkWeights weights = randomNetwork(smallNetwork(2));
+  RandomNetworkOptions options = smallNetwork(2);
+  options.linear_lags = {0, 7};
+  const NetworkWeights weights = randomNetwork(options);
   const Eigen::MatrixXd features = randomFeatures(weights, 100, 9);
   AttentionLstm network(weights);
   const Eigen::MatrixXd first = run(network, features, Pattern::kTwoPhase);
@@ -172,7 +193,9 @@ TEST_CASE("what lies W steps back no longer matters to the attention") {
 }
 
 TEST_CASE("unusable features give NaN and leave the past as it was") {
-  const NetworkWeights weights = randomNetwork(smallNetwork(1));
+  RandomNetworkOptions options = smallNetwork(1);
+  options.linear_lags = {0, 1, 5};
+  const NetworkWeights weights = randomNetwork(options);
   const Eigen::MatrixXd features = randomFeatures(weights, 40, 11);
   AttentionLstm network(weights);
   AttentionLstm undisturbed(weights);
@@ -199,7 +222,9 @@ TEST_CASE("a large mean beside a small scale costs no digits") {
 }
 
 TEST_CASE("steps, prepare and reset do not touch the heap") {
-  const NetworkWeights weights = randomNetwork({});
+  RandomNetworkOptions options;
+  options.linear_lags = {0, 1, 60};
+  const NetworkWeights weights = randomNetwork(options);
   const Eigen::MatrixXd features = randomFeatures(weights, 200, 13).transpose();
   for (const InstructionSet set : availableInstructionSets())
     for (const Precision precision : {Precision::kFloat32, Precision::kInt16}) {

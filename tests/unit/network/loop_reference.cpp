@@ -86,17 +86,30 @@ Vector context(const NetworkWeights& weights, const std::vector<Vector>& signal,
   return result;
 }
 
+/// Of the steps so far; the first stands in for those before it.
+double linearPath(const NetworkWeights& weights, const std::vector<Vector>& inputs, Eigen::Index output) {
+  double sum = 0.0;
+  Eigen::Index column = 0;
+  for (const int lag : weights.linear_lags)
+    for (const double input :
+         inputs[inputs.size() - 1 - std::min<std::size_t>(inputs.size() - 1, static_cast<std::size_t>(lag))])
+      sum += static_cast<double>(weights.linear_weight(output, column++)) * input;
+  return sum;
+}
+
 }  // namespace
 
 Eigen::MatrixXd loopReference(const NetworkWeights& weights, const Eigen::MatrixXd& features) {
   const auto units = static_cast<std::size_t>(weights.lstm.front().weight_hh.cols());
   std::vector<LstmState> states(weights.lstm.size(), {Vector(units, 0.0), Vector(units, 0.0)});
+  std::vector<Vector> inputs;
   std::vector<Vector> signal;
   Eigen::MatrixXd outputs(features.rows(), weights.output_weight.rows());
   for (Eigen::Index step = 0; step < features.rows(); ++step) {
     Vector value;
     for (Eigen::Index i = 0; i < features.cols(); ++i)
       value.push_back((features(step, i) - weights.feature_mean[i]) / weights.feature_scale[i]);
+    inputs.push_back(value);
     for (std::size_t layer = 0; layer < weights.lstm.size(); ++layer) {
       lstmStep(weights.lstm[layer], value, states[layer]);
       value = states[layer].hidden;
@@ -110,7 +123,8 @@ Eigen::MatrixXd loopReference(const NetworkWeights& weights, const Eigen::Matrix
     const Vector result = affine(weights.output_weight, weights.output_bias, attended);
     for (Eigen::Index i = 0; i < outputs.cols(); ++i)
       outputs(step, i) =
-          result[static_cast<std::size_t>(i)] * weights.output_scale[i] + weights.output_mean[i];
+          (result[static_cast<std::size_t>(i)] + linearPath(weights, inputs, i)) * weights.output_scale[i] +
+          weights.output_mean[i];
   }
   return outputs;
 }

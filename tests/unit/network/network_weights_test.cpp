@@ -18,6 +18,7 @@ namespace {
 std::string refusal(const std::function<void(NetworkWeights&)>& spoil) {
   RandomNetworkOptions options;
   options.shape.layers = 2;
+  options.linear_lags = {0, 4};
   NetworkWeights weights = randomNetwork(options);
   spoil(weights);
   try {
@@ -71,6 +72,28 @@ TEST_CASE("quantities out of range are refused by name") {
   CHECK(refusal([](NetworkWeights& w) { w.features[1] = w.features[0]; }) ==
         "features: 'feature0' appears twice");
   CHECK(refusal([](NetworkWeights& w) { w.features[1] = "a,b"; }) == "features: 'a,b' is not a name");
+}
+
+TEST_CASE("a linear path whose lags and tensor do not fit is refused by name") {
+  CHECK(refusal([](NetworkWeights& w) { w.linear_weight.setZero(2, 5); }) ==
+        "tensor 'linear.weight': shape [2,5], expected [2,10]");
+  CHECK(refusal([](NetworkWeights& w) { w.linear_weight(1, 9) = std::numeric_limits<float>::infinity(); }) ==
+        "tensor 'linear.weight': not finite");
+  CHECK(refusal([](NetworkWeights& w) { w.linear_lags.clear(); }) ==
+        "tensor 'linear.weight': shape [2,10], expected none where linear_lags is empty");
+  CHECK(refusal([](NetworkWeights& w) { w.linear_lags = {1, 4}; }) == "linear_lags: 1 first, expected 0");
+  CHECK(refusal([](NetworkWeights& w) {
+          w.linear_lags = {0, 0};
+        }) == "linear_lags: 0 after 0, expected more, up to 4095");
+  CHECK(refusal([](NetworkWeights& w) {
+          w.linear_lags = {0, 4096};
+        }) == "linear_lags: 4096 after 0, expected more, up to 4095");
+  CHECK(refusal([](NetworkWeights& w) { w.linear_lags.assign(65, 0); }) ==
+        "linear_lags: 65 values, expected at most 64");
+  CHECK(refusal([](NetworkWeights& w) {
+          w.linear_weight.setConstant(1e38F);
+          w.output_scale.setConstant(1e3);
+        }) == "weights multiplied out exceed the range of float32");
 }
 
 TEST_CASE("weights that overflow when multiplied out are refused") {

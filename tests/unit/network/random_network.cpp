@@ -12,6 +12,7 @@ NetworkWeights randomNetwork(const RandomNetworkOptions& options) {
   weights.heads = options.heads;
   weights.window = options.window;
   weights.attention_scale = options.attention_scale;
+  weights.linear_lags = options.linear_lags;
   for (Eigen::Index i = 0; i < options.shape.inputs; ++i)
     weights.features.push_back("feature" + std::to_string(i));
   weights.feature_mean = Eigen::VectorXd::NullaryExpr(options.shape.inputs, [&] { return uniform(random); });

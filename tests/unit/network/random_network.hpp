@@ -13,6 +13,7 @@ struct RandomNetworkOptions {
   int heads = 8;
   int window = 64;
   AttentionScale attention_scale = AttentionScale::kInvSqrt;
+  std::vector<int> linear_lags{};
   double gain = 1.0;  ///< of PyTorch's default initialisation
   unsigned seed = 1;
 };

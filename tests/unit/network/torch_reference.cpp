@@ -42,12 +42,18 @@ struct Model : torch::nn::Module {
     register_module("fc", fc);
     register_module("attention", attention);
     register_module("output", output);
+    if (!weights.linear_lags.empty()) {
+      const auto lags = static_cast<std::int64_t>(weights.linear_lags.size());
+      linear = torch::nn::Linear(torch::nn::LinearOptions(lags * shape.inputs, shape.outputs).bias(false));
+      register_module("linear", linear);
+    }
   }
 
   torch::nn::LSTM lstm;
   torch::nn::Linear fc;
   torch::nn::MultiheadAttention attention;
   torch::nn::Linear output;
+  torch::nn::Linear linear{nullptr};
 };
 
 Model makeModel(const NetworkWeights& weights, torch::ScalarType type) {
@@ -87,6 +93,14 @@ torch::Tensor windowedAttention(Model& model, const torch::Tensor& signal, std::
   return torch::cat(blocks);
 }
 
+/// steps x (lags * inputs); the first step stands in for those before it.
+torch::Tensor history(const torch::Tensor& input, const std::vector<int>& lags) {
+  std::vector<torch::Tensor> columns;
+  for (const int lag : lags)
+    columns.push_back(torch::cat({input.slice(0, 0, 1).expand({lag, -1}), input}).slice(0, 0, input.size(0)));
+  return torch::cat(columns, 1);
+}
+
 }  // namespace
 
 Eigen::MatrixXd torchReference(const NetworkWeights& weights, const Eigen::MatrixXd& features,
@@ -102,9 +116,10 @@ Eigen::MatrixXd torchReference(const NetworkWeights& weights, const Eigen::Matri
   const torch::Tensor input = tensorOf(normalised, type).unsqueeze(0);
   const torch::Tensor recurrent = std::get<0>(model.lstm->forward(input)).squeeze(0);
   const torch::Tensor signal = torch::tanh(model.fc->forward(recurrent));
-  const torch::Tensor result = model.output->forward(windowedAttention(model, signal, weights.window))
-                                   .to(torch::kFloat64)
-                                   .contiguous();
+  torch::Tensor result = model.output->forward(windowedAttention(model, signal, weights.window));
+  if (!weights.linear_lags.empty())
+    result = result + model.linear->forward(history(input.squeeze(0), weights.linear_lags));
+  result = result.to(torch::kFloat64).contiguous();
 
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
       result.data_ptr<double>(), result.size(0), result.size(1));

@@ -1,4 +1,6 @@
 // Streaming inference against PyTorch's own modules on the whole, causally masked sequence.
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include "core/network/attention_lstm.hpp"
@@ -42,7 +44,8 @@ void compare(const RandomNetworkOptions& options) {
                         << maxDifference(outputs, single) << ", float32 - float64 "
                         << maxDifference(single, exact));
     CHECK(error < kTolerance);
-    CHECK(maxDifference(outputs, single) < kTolerance);
+    // Long sums cost float32 digits in torch, too.
+    CHECK(maxDifference(outputs, single) < std::max(kTolerance, 2.0 * maxDifference(single, exact)));
   }
   // The comparison would be empty if the network did nothing.
   CHECK(swing > 5e-3);
@@ -68,6 +71,15 @@ TEST_CASE("streaming equals torch for sizes that fill no panel, another window a
   options.window = 37;
   options.attention_scale = AttentionScale::kNone;
   options.gain = 1.5;
+  compare(options);
+}
+
+TEST_CASE("streaming equals torch with a linear path beside the rest") {
+  RandomNetworkOptions options;
+  options.shape = {.inputs = 18, .hidden = 48, .layers = 1, .channels = 32, .outputs = 2};
+  options.heads = 4;
+  options.window = 32;
+  options.linear_lags = {0, 1, 2, 3, 5, 8, 12, 18, 26, 36};
   compare(options);
 }
 

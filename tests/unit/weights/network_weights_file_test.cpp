@@ -15,9 +15,10 @@ namespace patella::app {
 
 namespace {
 
-network::NetworkWeights sample(int layers) {
+network::NetworkWeights sample(int layers, std::vector<int> lags = {}) {
   network::RandomNetworkOptions options;
   options.shape.layers = layers;
+  options.linear_lags = std::move(lags);
   network::NetworkWeights weights = network::randomNetwork(options);
   weights.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "observer1_Nm"};
   weights.window = 48;
@@ -28,10 +29,10 @@ network::NetworkWeights sample(int layers) {
 }
 
 /// What the loader says of a sound file after `spoil`; its path is replaced by "file".
-std::string refusal(const std::function<void(Safetensors&)>& spoil) {
+std::string refusal(const std::function<void(Safetensors&)>& spoil, const std::vector<int>& lags = {}) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.file("net.safetensors");
-  saveNetworkWeights(path, sample(1));
+  saveNetworkWeights(path, sample(1, lags));
   Safetensors content = readSafetensors(path);
   spoil(content);
   writeSafetensors(path, content);
@@ -52,10 +53,11 @@ std::string refusalOfMetadata(const std::string& key, const std::string& value) 
 }  // namespace
 
 TEST_CASE("a network comes back from its file bit for bit") {
-  for (const int layers : {1, 2}) {
+  for (const std::vector<int>& lags : {std::vector<int>{}, std::vector<int>{0}, std::vector{0, 2, 31}}) {
+    const int layers = lags.empty() ? 1 : 2;
     const TemporaryFolder folder;
     const std::filesystem::path path = folder.file("net.safetensors");
-    const network::NetworkWeights saved = sample(layers);
+    const network::NetworkWeights saved = sample(layers, lags);
     saveNetworkWeights(path, saved);
     const network::NetworkWeights loaded = loadNetworkWeights(path);
     CHECK(loaded.features == saved.features);
@@ -68,6 +70,7 @@ TEST_CASE("a network comes back from its file bit for bit") {
     CHECK(loaded.heads == saved.heads);
     CHECK(loaded.attention_scale == saved.attention_scale);
     CHECK(loaded.output == saved.output);
+    CHECK(loaded.linear_lags == saved.linear_lags);
 
     network::AttentionLstm original(saved);
     network::AttentionLstm copy(loaded);
@@ -155,6 +158,32 @@ TEST_CASE("metadata that is missing or makes no sense is refused with its key") 
         "file: metadata 'attention_scale': 'sqrt', expected inv_sqrt or none");
   CHECK(refusalOfMetadata("output", "newton")
             .starts_with("file: metadata 'output': 'newton', expected acceleration_rad_s2 or torque_Nm or"));
+}
+
+TEST_CASE("a linear path needs its tensor and its lags") {
+  const auto spoilt = [](const std::function<void(Safetensors&)>& spoil) { return refusal(spoil, {0, 3}); };
+  const auto lags = [&](const std::string& value) {
+    return spoilt([&](Safetensors& f) { f.metadata["linear_lags"] = value; });
+  };
+  CHECK(lags("0,3") == "accepted");
+  CHECK(spoilt([](Safetensors& f) { f.metadata.erase("linear_lags"); }) ==
+        "file: metadata 'linear_lags': missing");
+  CHECK(spoilt([](Safetensors& f) { f.tensors.erase("linear.weight"); }) ==
+        "file: tensor 'linear.weight': missing");
+  CHECK(spoilt([](Safetensors& f) {
+          f.tensors["linear.weight"].shape = {10, 2};
+        }) == "file: tensor 'linear.weight': shape [10,2], expected [2,10]");
+  CHECK(spoilt([](Safetensors& f) {
+          f.tensors["linear.weight"].values[3] = std::nanf("");
+        }).starts_with("file: tensor 'linear.weight'"));
+  CHECK(lags("0,3,5") == "file: tensor 'linear.weight': shape [2,10], expected [2,15]");
+  CHECK(lags("") == "file: metadata 'linear_lags': '', expected integers, separated by commas");
+  CHECK(lags("0 3") == "file: metadata 'linear_lags': '0 3', expected integers, separated by commas");
+  CHECK(lags("0,-3") == "file: linear_lags: -3 after 0, expected more, up to 4095");
+  CHECK(lags("0,99999999999") ==
+        "file: metadata 'linear_lags': '99999999999', expected integers, separated by commas");
+  CHECK(lags("3,0") == "file: linear_lags: 3 first, expected 0");
+  CHECK(lags("0,2147483647") == "file: linear_lags: 2147483647 after 0, expected more, up to 4095");
 }
 
 TEST_CASE("weights that the loader would refuse are not saved") {

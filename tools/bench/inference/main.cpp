@@ -39,6 +39,13 @@ struct Field {
   }
 };
 
+// Of ten lags, as patella-train gives it.
+network::NetworkWeights withLinearPath(network::NetworkWeights weights) {
+  weights.linear_lags = {0, 1, 2, 3, 5, 8, 12, 18, 26, 36};
+  weights.linear_weight = network::WeightMatrix::Constant(kOutputs, 10 * kInputs, 0.1F);
+  return weights;
+}
+
 Field makeField(const network::NetworkWeights& weights) {
   const network::InferenceOptions float32;
   const network::InferenceOptions int16{.precision = network::Precision::kInt16};
@@ -59,6 +66,9 @@ Field makeField(const network::NetworkWeights& weights) {
                            {.instruction_set = set, .precision = precision}, false));
     }
   }
+  const network::NetworkWeights linear = withLinearPath(weights);
+  field.add(ownNetwork("  float32, one phase, linear path", linear, float32, false));
+  field.add(ownNetwork("  float32, tick to output, linear path", linear, float32, true));
   field.eigen = field.addAll(eigenPeers(weights, true), "");
   field.torch = field.addAll(torchPeers(weights, true), "");
   field.onnx = field.addAll(onnxPeers(weights, true), "");

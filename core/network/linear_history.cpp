@@ -1,0 +1,67 @@
+#include "core/network/linear_history.hpp"
+
+#include <algorithm>
+
+namespace patella::network {
+
+namespace {
+
+/// Rows (output) of lags side by side into rows (lag, output), in physical units.
+Eigen::MatrixXd rowsByLag(const NetworkWeights& weights) {
+  const Eigen::Index outputs = weights.linear_weight.rows();
+  const auto inputs = static_cast<Eigen::Index>(weights.features.size());
+  const auto lags = static_cast<Eigen::Index>(weights.linear_lags.size());
+  Eigen::MatrixXd rows(lags * outputs, inputs);
+  for (Eigen::Index lag = 0; lag < lags; ++lag)
+    rows.middleRows(lag * outputs, outputs) =
+        weights.output_scale.asDiagonal() *
+        weights.linear_weight.middleCols(lag * inputs, inputs).cast<double>();
+  return rows;
+}
+
+}  // namespace
+
+LinearHistory::LinearHistory(const NetworkWeights& weights)
+    : lags_(weights.linear_lags),
+      outputs_(static_cast<int>(weights.linear_weight.rows())),
+      weight_(rowsByLag(weights), Precision::kFloat32),
+      zero_(weight_.paddedRows()),
+      length_(std::max(lags_.back(), 1)),
+      products_(length_ * weight_.paddedRows()),
+      past_(static_cast<std::size_t>(outputs_)) {}
+
+void LinearHistory::reset() noexcept {
+  slot_ = 0;
+  count_ = 0;
+}
+
+/// Of the step `age` before the newest in the ring, or of the oldest there is.
+const float* LinearHistory::productsOf(int age) const noexcept {
+  const int back = 1 + std::min(age, count_ - 1);
+  return products_.data() + (slot_ >= back ? slot_ - back : slot_ - back + length_) * weight_.paddedRows();
+}
+
+void LinearHistory::prepare() noexcept {
+  std::fill(past_.begin(), past_.end(), 0.0);
+  if (count_ == 0)
+    return;
+  for (std::size_t i = 1; i < lags_.size(); ++i) {
+    const float* product = productsOf(lags_[i] - 1) + i * static_cast<std::size_t>(outputs_);
+    for (std::size_t output = 0; output < past_.size(); ++output)
+      past_[output] += static_cast<double>(product[output]);
+  }
+}
+
+void LinearHistory::step(const kernel::Functions& functions, const Signal& input, double* output) noexcept {
+  const bool first = count_ == 0;
+  float* newest = products_.data() + slot_ * weight_.paddedRows();
+  weight_.product(functions, input, zero_.data(), newest);
+  slot_ = slot_ + 1 == length_ ? 0 : slot_ + 1;
+  count_ = std::min(count_ + 1, length_);
+  if (first)  // stands in for all that came before it
+    prepare();
+  for (std::size_t i = 0; i < past_.size(); ++i)
+    output[i] += past_[i] + static_cast<double>(newest[i]);
+}
+
+}  // namespace patella::network

@@ -1,0 +1,42 @@
+// What a network says that is linear in its features of now and of some while ago.
+#pragma once
+
+#include <vector>
+
+#include "core/network/linear_map.hpp"
+#include "core/network/network_weights.hpp"
+
+namespace patella::network {
+
+/// sum over lags of W_lag x(t - lag). One product a step takes the newest features to what they will add at
+/// every lag; these products wait in a ring until their time has come. float32 in every precision of the
+/// network: features have no bound that 16 bits could be laid over. The output's scale is in the weights.
+class LinearHistory {
+ public:
+  /// `weights` as checkWeights() accepts them, with lags. Throws std::invalid_argument where an element,
+  /// scaled, is beyond the range of float32.
+  explicit LinearHistory(const NetworkWeights& weights);
+
+  /// Before enough steps have passed, the oldest there is stands in for what came before it.
+  void reset() noexcept;
+  /// Sums up what past features add to the next step. Calling it again changes nothing.
+  void prepare() noexcept;
+  /// `input` holds the normalised features; adds to `output`, one double per joint in physical units. Needs
+  /// prepare() since the last step.
+  void step(const kernel::Functions& functions, const Signal& input, double* output) noexcept;
+
+ private:
+  const float* productsOf(int age) const noexcept;
+
+  std::vector<int> lags_;
+  int outputs_;
+  LinearMap weight_;  ///< rows: lag, output
+  AlignedFloats zero_;
+  int length_;                ///< of the ring, steps
+  AlignedFloats products_;    ///< ring of steps x padded rows
+  std::vector<double> past_;  ///< per output, of all lags but 0
+  int slot_ = 0;              ///< where the next step goes
+  int count_ = 0;             ///< steps in the ring
+};
+
+}  // namespace patella::network
