@@ -2,6 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/train/linear_path.hpp"
 
 namespace patella::train {
 namespace {
@@ -73,13 +80,19 @@ void declareSplit(CLI::App& app, Arguments& a) {
   app.add_option("--test-data", a.test_data, "recordings in place of a share for the test");
 }
 
-void declareNetwork(CLI::App& app, TrainingOptions& t, std::string& attention_scale) {
+void declareNetwork(CLI::App& app, Arguments& a) {
+  TrainingOptions& t = a.training;
   app.add_option("--layers", t.layers, "of the LSTM, 1 or 2")->capture_default_str();
   app.add_option("--hidden", t.hidden, "width of each")->capture_default_str();
   app.add_option("--channels", t.channels, "of queries, keys and values together")->capture_default_str();
   app.add_option("--heads", t.heads, "a divisor of the channels")->capture_default_str();
   app.add_option("--window", t.window, "steps that attention sees; 1: no attention")->capture_default_str();
-  app.add_option("--attention-scale", attention_scale,
+  app.add_option(
+         "--linear-lags", a.linear_lags,
+         "steps ago, separated by commas, whose features act on the output directly; none. Unless given: " +
+             fmt::format("{}", fmt::join(usualLags(), ",")) + ", none where time_s is a feature")
+      ->delimiter(',');
+  app.add_option("--attention-scale", a.attention_scale,
                  "of the scores: 1/sqrt(channels/heads), or none as printed")
       ->check(CLI::IsMember({"inv_sqrt", "none"}))
       ->capture_default_str();
@@ -111,6 +124,32 @@ void declareTraining(CLI::App& app, Arguments& a) {
   app.add_option("--threads", t.threads, "the same number gives the same file")->capture_default_str();
 }
 
+/// Time that grows for ever leaves the range that was learned, and a line through it all the more.
+bool knowsTime(const std::vector<std::string>& features) {
+  return std::any_of(features.begin(), features.end(),
+                     [](const std::string& name) { return name == "paper" || name == "time_s"; });
+}
+
+std::vector<int> lagsOf(const Arguments& a) {
+  if (a.linear_lags.empty()) {
+    return knowsTime(a.features) ? std::vector<int>{} : usualLags();
+  }
+  std::vector<int> lags;
+  for (const std::string& text : a.linear_lags) {
+    int lag = 0;
+    const char* end = text.data() + text.size();
+    if (a.linear_lags.size() == 1 && text == "none") {
+      return lags;
+    }
+    const auto [stopped, error] = std::from_chars(text.data(), end, lag);
+    if (error != std::errc() || stopped != end) {
+      throw std::invalid_argument("linear_lags: value '" + text + "', expected steps, or none");
+    }
+    lags.push_back(lag);
+  }
+  return lags;
+}
+
 }  // namespace
 
 void declareFit(CLI::App& app, Arguments& a) {
@@ -121,7 +160,7 @@ void declareFit(CLI::App& app, Arguments& a) {
   app.add_option("--curves", a.curves, "picture of the losses, PNG; OUT with that ending unless given");
   declareTask(app, a);
   declareSplit(app, a);
-  declareNetwork(app, a.training, a.attention_scale);
+  declareNetwork(app, a);
   declareTraining(app, a);
 }
 
@@ -150,6 +189,7 @@ void understand(Arguments& a) {
   a.training.loss = a.loss == "squared" ? Loss::kSquared : Loss::kAbsolute;
   a.training.attention_scale =
       a.attention_scale == "none" ? network::AttentionScale::kNone : network::AttentionScale::kInvSqrt;
+  a.training.linear_lags = lagsOf(a);
   checked(a.training);
 }
 

@@ -40,6 +40,7 @@ std::string optionsText(const TrainingOptions& o) {
                         {"epochs", o.epochs},
                         {"initialisation", initialisationNames()[static_cast<std::size_t>(o.initialisation)]},
                         {"learning_rate", o.learning_rate},
+                        {"linear_lags", o.linear_lags},
                         {"loss", o.loss == Loss::kSquared ? "squared" : "absolute"},
                         {"patience", o.patience},
                         {"seed", o.seed},

@@ -55,6 +55,10 @@ Rows targetOf(const Sequence& sequence, OutputKind output) {
   return isCorrection(output) ? Rows(sequence.reference - sequence.observer) : sequence.reference;
 }
 
+Rows scaled(const Rows& rows, const Eigen::VectorXd& mean, const Eigen::VectorXd& scale) {
+  return (rows.rowwise() - mean.transpose()).array().rowwise() / scale.transpose().array();
+}
+
 network::NetworkWeights frameOf(std::span<const Sequence> sequences, const std::vector<std::string>& features,
                                 OutputKind output) {
   if (sequences.empty()) {

@@ -47,6 +47,9 @@ bool isTorque(network::OutputKind output) noexcept;
 /// What the network has to deliver: the reference, less the observer where it corrects.
 Rows targetOf(const Sequence& sequence, network::OutputKind output);
 
+/// (row − mean) / scale of every row.
+Rows scaled(const Rows& rows, const Eigen::VectorXd& mean, const Eigen::VectorXd& scale);
+
 /// Features, their order, the output's meaning and its rate, with means and scales over the steps that are
 /// trained on. No tensors yet. A feature that never changes has scale 1. Throws std::invalid_argument where
 /// there is no such step.

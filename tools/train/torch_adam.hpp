@@ -20,8 +20,8 @@ class Adam {
     }
   }
 
-  /// Moves the parameters against their gradients, which are first scaled down to a joint norm of one at
-  /// most.
+  /// Moves the parameters that want gradients against them, which are first scaled down to a joint norm of
+  /// one at most.
   void step(NamedTensors& parameters, double rate, double decay) {
     const torch::NoGradGuard no_gradients;
     constexpr double kMean = 0.9;
@@ -29,7 +29,7 @@ class Adam {
     constexpr double kSmall = 1e-8;
     double norm = 0.0;
     for (const auto& [name, tensor] : parameters) {
-      norm += tensor.grad().square().sum().item<double>();
+      norm += !tensor.requires_grad() ? 0.0 : tensor.grad().square().sum().item<double>();
     }
     const double shrink = 1.0 / std::max(1.0, std::sqrt(norm));
     ++steps;
@@ -37,6 +37,9 @@ class Adam {
     const double square_share = 1.0 - std::pow(kSquare, static_cast<double>(steps));
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       torch::Tensor& tensor = parameters[i].second;
+      if (!tensor.requires_grad()) {
+        continue;
+      }
       const torch::Tensor gradient = shrink * tensor.grad();
       mean[i].second.mul_(kMean).add_(gradient, 1.0 - kMean);
       square[i].second.mul_(kSquare).addcmul_(gradient, gradient, 1.0 - kSquare);

@@ -37,6 +37,9 @@ double spread(const std::string& name, const NetworkShape& shape) {
   if (name == "attention.in_proj_bias" || name == "attention.out_proj.bias") {
     return 0.0;
   }
+  if (name == "linear.weight") {  // found by fitLinearPath()
+    return 0.0;
+  }
   return 1.0 / std::sqrt(static_cast<double>(name.starts_with("fc.") ? shape.hidden : shape.channels));
 }
 
@@ -71,7 +74,17 @@ torch::Tensor TorchNetwork::forward(const torch::Tensor& inputs) const {
   const torch::Tensor signal = torch::tanh(torch::linear(hidden, at("fc.weight"), at("fc.bias")));
   const torch::Tensor context =
       torch::linear(attend(signal), at("attention.out_proj.weight"), at("attention.out_proj.bias"));
-  return torch::linear(context, at("output.weight"), at("output.bias"));
+  const torch::Tensor output = torch::linear(context, at("output.weight"), at("output.bias"));
+  return frame_.linear_lags.empty() ? output : output + linearPath(inputs);
+}
+
+torch::Tensor TorchNetwork::linearPath(const torch::Tensor& inputs) const {
+  std::vector<torch::Tensor> past;
+  for (const std::int64_t lag : frame_.linear_lags) {
+    const torch::Tensor from = torch::arange(-lag, inputs.size(1) - lag).clamp_min(0);
+    past.push_back(inputs.index_select(1, from));
+  }
+  return torch::linear(torch::cat(past, 2), at("linear.weight"));
 }
 
 // Queries go in blocks of at least a window: rows of a masked softmax do not depend on each other, and a
@@ -137,9 +150,7 @@ void initialise(NetworkWeights& frame, const NetworkShape& shape, std::uint64_t 
 }
 
 torch::Tensor normalised(const Rows& features, const NetworkWeights& weights, torch::ScalarType type) {
-  const Rows rows = (features.rowwise() - weights.feature_mean.transpose()).array().rowwise() /
-                    weights.feature_scale.transpose().array();
-  return tensorOf(rows, type);
+  return tensorOf(scaled(features, weights.feature_mean, weights.feature_scale), type);
 }
 
 Rows evaluate(const TorchNetwork& network, const NetworkWeights& weights, const Rows& features,

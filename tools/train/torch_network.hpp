@@ -32,6 +32,7 @@ class TorchNetwork {
 
  private:
   torch::Tensor attend(const torch::Tensor& signal) const;
+  torch::Tensor linearPath(const torch::Tensor& inputs) const;
   const torch::Tensor& at(const std::string& name) const;
 
   network::NetworkWeights frame_;

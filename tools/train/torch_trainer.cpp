@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/train/early_stopping.hpp"
+#include "tools/train/linear_path.hpp"
 #include "tools/train/split.hpp"
 #include "tools/train/spread_gates.hpp"
 #include "tools/train/torch_checkpoint.hpp"
@@ -68,7 +69,9 @@ class Training {
   TrainingState start() {
     NamedTensors kept;
     for (auto& [name, tensor] : network_.parameters()) {
-      tensor.requires_grad_(true);
+      // The linear path stays as it was found: steps of one size for all weights blur its small differences
+      // of large inputs.
+      tensor.requires_grad_(name != "linear.weight");
       kept.emplace_back(name, tensor.detach().clone());
     }
     return {network_.parameters(), kept, Adam(network_.parameters()), {}};
@@ -113,6 +116,7 @@ class Training {
     frame.heads = options.heads;
     frame.window = options.window;
     frame.attention_scale = options.attention_scale;
+    frame.linear_lags = options.linear_lags;
     initialise(frame,
                {.inputs = frame.feature_mean.size(),
                 .hidden = options.hidden,
@@ -122,6 +126,9 @@ class Training {
                options.seed);
     if (options.initialisation == Initialisation::kSpread) {
       spreadGates(frame, sequences, options.turn_s, options.seed);
+    }
+    if (!frame.linear_lags.empty()) {
+      fitLinearPath(frame, sequences);
     }
     network::checkWeights(frame);
     return frame;

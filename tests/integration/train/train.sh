@@ -16,7 +16,7 @@ done
 fit() {
   exec "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/$1.safetensors" \
     --split chronological --test-share 0.3 --validation-share 0.2 --rate-Hz 50 \
-    --hidden 8 --channels 8 --heads 2 --window 8 --batch 2 --sequence-steps 48 --burn-in 8 --epochs 25 --patience 25
+    --hidden 8 --channels 8 --heads 2 --window 8 --batch 2 --sequence-steps 48 --burn-in 8 --linear-lags 0,1,5 --epochs 25 --patience 25
 }
 
 (fit whole) >/dev/null

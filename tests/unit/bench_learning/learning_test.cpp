@@ -4,9 +4,7 @@
 #include "tools/bench/learning/adaptation.hpp"
 #include "tools/bench/learning/forecast.hpp"
 #include "tools/bench/learning/leg_runs.hpp"
-#include "tools/bench/learning/linear_history.hpp"
 #include "tools/bench/learning/tables.hpp"
-#include "tools/train/split.hpp"
 
 using namespace patella;
 using namespace patella::bench;
@@ -73,30 +71,6 @@ TEST_CASE(
   CHECK(filter.parameters()[1] == doctest::Approx(0.03).epsilon(0.35));
   CHECK(filter.parameters()[3] == doctest::Approx(0.08).epsilon(0.25));  // smoothed wider than the leg's
   CHECK(filter.parameters()[4] == doctest::Approx(0.05).epsilon(0.25));
-}
-
-TEST_CASE("what is linear in the past is found by the linear history") {
-  train::Sequence sequence;
-  sequence.rate_Hz = 100.0;
-  sequence.features.resize(400, 1);
-  for (Eigen::Index k = 0; k < 400; ++k) {
-    sequence.features(k, 0) =
-        3.0 + std::sin(0.3 * static_cast<double>(k)) + std::cos(0.11 * static_cast<double>(k));
-  }
-  sequence.reference = train::Rows::Zero(400, 1);
-  sequence.reference.bottomRows(395) = 2.0 * sequence.features.topRows(395);  // five steps ago
-  sequence.observer = train::Rows::Zero(400, 1);
-  sequence.role.assign(400, train::Role::kIgnored);
-  assignRole(sequence, train::Role::kTrain, 0.5);
-  const std::span<const train::Sequence> all(&sequence, 1);
-  LinearHistory linear(all, frameOf(all, {"q1_rad"}, network::OutputKind::kTorque));
-  double largest = 0.0;
-  for (Eigen::Index k = 0; k < 400; ++k) {
-    const double feature = sequence.features(k, 0);
-    const JointVector value = linear.step({&feature, 1});
-    largest = k < 50 ? 0.0 : std::max(largest, std::abs(value[0] - sequence.reference(k, 0)));
-  }
-  CHECK(largest < 0.05);
 }
 
 TEST_CASE("a table holds every estimator against the first of its condition") {

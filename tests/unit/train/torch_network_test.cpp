@@ -5,6 +5,7 @@
 
 #include "core/network/attention_lstm.hpp"
 #include "made_up.hpp"
+#include "tools/train/linear_path.hpp"
 
 using namespace patella;
 using namespace patella::train;
@@ -40,6 +41,7 @@ TEST_CASE("the masked sequence of the training is the stream of the loop, on a t
   TrainingOptions options = smallTraining();
   compare(options);
   options.window = 1;
+  options.linear_lags = {0, 1, 4, 11};
   compare(options);
   options.window = 150;  // more than a sequence of the training
   options.layers = 2;
@@ -60,4 +62,21 @@ TEST_CASE("initialisation is of the seed alone, within PyTorch's bounds") {
   CHECK(first.in_proj_bias.isZero());
   initialise(second, shape, 4);
   CHECK_FALSE(first.lstm[0].weight_hh == second.lstm[0].weight_hh);
+}
+
+TEST_CASE("what is linear in the past is found before the first pass, and is all that the network says") {
+  std::vector<Sequence> sequences = madeUpSequences(4, 400);
+  for (Sequence& sequence : sequences) {
+    sequence.reference.bottomRows(395) = 2.0 * sequence.features.col(0).topRows(395);  // five steps ago
+  }
+  const network::NetworkWeights alone = linearNetwork(sequences, madeUpFrame(sequences));
+  const Rows outputs = streamed(alone, sequences[1].features);
+  CHECK((outputs - sequences[1].reference).bottomRows(350).cwiseAbs().maxCoeff() < 0.05);
+
+  network::NetworkWeights beside = madeUpFrame(sequences);
+  beside.linear_lags = usualLags();
+  beside.heads = 2;
+  initialise(beside, {.inputs = 2, .hidden = 16, .layers = 1, .channels = 8, .outputs = 1}, 3);
+  fitLinearPath(beside, sequences);
+  CHECK((streamed(beside, sequences[1].features) - outputs).cwiseAbs().maxCoeff() < 1e-6);
 }

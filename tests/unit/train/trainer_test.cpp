@@ -57,7 +57,8 @@ TEST_CASE("killed after any epoch and resumed, the file is that of an uninterrup
   const test::ScratchFolder folder;
   const std::vector<Sequence> sequences = madeUpSequences(5, 300);
   const network::NetworkWeights frame = madeUpFrame(sequences);
-  const TrainingOptions options = smallTraining();
+  TrainingOptions options = smallTraining();
+  options.linear_lags = {0, 1, 4, 11};
   const std::string whole = fileOf(folder / "whole", trainNetwork(sequences, frame, options));
   for (const int last : {1, 5}) {
     Surroundings surroundings{.checkpoint = folder / ("state_" + std::to_string(last)), .progress = {}};
@@ -86,6 +87,10 @@ TEST_CASE("a checkpoint of other options or data is refused") {
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, frame, options, surroundings),
                        doctest::Contains("other options or data"), app::FileError);
   options.seed = 1;
+  options.linear_lags = {0, 3};
+  CHECK_THROWS_WITH_AS(trainNetwork(sequences, frame, options, surroundings),
+                       doctest::Contains("other options or data"), app::FileError);
+  options.linear_lags.clear();
   std::vector<Sequence> changed = sequences;
   changed[0].features(17, 0) += 1e-9;
   CHECK_THROWS_WITH_AS(trainNetwork(changed, frame, options, surroundings),
@@ -98,6 +103,11 @@ TEST_CASE("options out of range are refused by name") {
   options.heads = 3;
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
                        "heads: value 3, expected a divisor of the 8 channels", std::invalid_argument);
+  options = smallTraining();
+  options.linear_lags = {0, 13};
+  CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
+                       "linear_lags: value 13, expected at most the 12 steps of the burn-in",
+                       std::invalid_argument);
   options = smallTraining();
   options.sequence_steps = options.burn_in;
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),

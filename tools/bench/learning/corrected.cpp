@@ -86,7 +86,9 @@ Delivered deliverObserver(const ObservedRun& run, double horizon_s) {
   return deliver(run, horizon_s, [&](Eigen::Index k) { return torqueOf(run, run.observed.f_s_filtered, k); });
 }
 
-Delivered deliverSteps(const ObservedRun& run, const train::PreparationOptions& options, const Step& step) {
+Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
+                         const network::NetworkWeights& weights) {
+  network::AttentionLstm network(weights);
   const tick::FeatureSelection selection = tick::selectFeatures(options.features);
   const auto stride = static_cast<Eigen::Index>(std::lround(kRate_Hz / options.rate_Hz));
   const bool correction = train::isCorrection(options.output);
@@ -98,16 +100,10 @@ Delivered deliverSteps(const ObservedRun& run, const train::PreparationOptions& 
       for (std::size_t i = 0; i < input.size(); ++i) {
         input[i] = features[static_cast<std::size_t>(selection[i])];
       }
-      value = step(input);
+      value = network.step(input);
     }
     return correction ? torqueOf(run, run.observed.f_s_filtered, k) + value : value;
   });
-}
-
-Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
-                         const network::NetworkWeights& weights) {
-  network::AttentionLstm network(weights);
-  return deliverSteps(run, options, [&](std::span<const double> features) { return network.step(features); });
 }
 
 void append(Delivered& trace, const JointVector& estimate_Nm, const ObservedRun& run, Eigen::Index sample) {

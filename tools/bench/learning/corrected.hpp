@@ -1,8 +1,6 @@
 // A network on top of an observer: what it is trained on, and what comes out at the encoder's rate.
 #pragma once
 
-#include <functional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -36,11 +34,8 @@ using Delivered = Trace;
 
 /// The observer alone, held for the horizon.
 Delivered deliverObserver(const ObservedRun& run, double horizon_s);
-/// One step of something that learned: features in physical units in, joint torques out.
-using Step = std::function<JointVector(std::span<const double>)>;
 /// As the loop delivers it: a step every 1 / options.rate_Hz, its output held, and added to the observer's
 /// newest estimate where it is a correction.
-Delivered deliverSteps(const ObservedRun& run, const train::PreparationOptions& options, const Step& step);
 Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
                          const network::NetworkWeights& weights);
 

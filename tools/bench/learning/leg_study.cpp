@@ -7,7 +7,7 @@
 
 #include "tools/bench/learning/adaptation.hpp"
 #include "tools/bench/learning/forecast.hpp"
-#include "tools/bench/learning/linear_history.hpp"
+#include "tools/train/linear_path.hpp"
 #include "tools/train/preparation.hpp"
 
 namespace patella::bench {
@@ -109,11 +109,14 @@ class Trial {
                                    .rate_Hz = options_.rate_Hz,
                                    .horizon_s = horizon_s};
     reportNetwork("network", preparation, options_.training);
+    reportLinear(preparation);
     if (options_.ablations) {
       train::TrainingOptions training = options_.training;
+      training.linear_lags.clear();
+      reportNetwork("without the linear path", preparation, training);
+      training = options_.training;
       training.window = 1;
       reportNetwork("without attention", preparation, training);
-      reportLinear(preparation);
       PreparationOptions now = preparation;
       std::erase_if(now.features, [](const std::string& name) { return name.starts_with("d_rise"); });
       reportNetwork("without rises", now, options_.training);
@@ -166,12 +169,10 @@ class Trial {
 
   void reportLinear(const PreparationOptions& preparation) {
     const std::vector<Sequence> all = sequences(preparation);
-    LinearHistory linear(all, frameOf(all, preparation.features, preparation.output));
-    report("linear history", preparation.horizon_s, [&](std::size_t i) {
-      linear.reset();
-      return deliverSteps(test_[i], preparation,
-                          [&](std::span<const double> features) { return linear.step(features); });
-    });
+    const network::NetworkWeights weights =
+        linearNetwork(all, frameOf(all, preparation.features, preparation.output));
+    report("linear path alone", preparation.horizon_s,
+           [&](std::size_t i) { return deliverNetwork(test_[i], preparation, weights); });
   }
 
   template <typename Deliver>
@@ -221,12 +222,13 @@ std::string nameOf(const ModelError& error) {
 std::vector<LegResult> legStudy(const LegStudyOptions& options,
                                 const std::function<void(const LegResult&)>& done) {
   std::vector<LegResult> results;
+  const auto first = static_cast<std::uint64_t>(options.first_seed);
   for (const ModelError& error : options.errors) {
     const LegRunOptions run{.seconds = options.seconds, .error = error};
     const Contenders contenders =
-        contendersOf(recordLegs(run, kSeedSpan, options.tuning_runs), options.adapt);
-    for (int seed = 1; seed <= options.seeds; ++seed) {
-      Trial trial(options, error, static_cast<std::uint64_t>(seed), contenders, results, done);
+        contendersOf(recordLegs(run, kSeedSpan * first, options.tuning_runs), options.adapt);
+    for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(options.seeds); ++seed) {
+      Trial trial(options, error, seed, contenders, results, done);
       for (const double horizon_s : options.horizons_s) {
         trial.run(horizon_s);
       }

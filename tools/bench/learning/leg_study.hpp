@@ -17,10 +17,11 @@ namespace patella::bench {
 struct LegStudyOptions {
   std::vector<ModelError> errors;
   std::vector<double> horizons_s{0.0};
-  bool ablations = false;  ///< besides: without attention, LSTM, rises, what the observer says at all
+  bool ablations = false;  ///< besides: without linear path, attention, rises, what the observer says at all
   bool passive = false;    ///< trained on runs in which the patient does not push, tested where he does
   bool adapt = false;   ///< besides: filters that adapt the model's parameters, from nominal and as trained
   bool network = true;  ///< false: without it and its training, observers and filters alone
+  int first_seed = 1;
   int seeds = 3;
   int training_runs = 30;
   int validation_runs = 6;

@@ -8,6 +8,7 @@
 #include "tools/bench/learning/pendulum_study.hpp"
 #include "tools/bench/learning/tables.hpp"
 #include "tools/diagnose/recording_file.hpp"
+#include "tools/train/linear_path.hpp"
 
 namespace {
 
@@ -54,10 +55,13 @@ void declare(CLI::App& app, LegArguments& a) {
       ->capture_default_str();
   app.add_flag("--individual", a.individual, "each patient has his own error within those bounds");
   app.add_option("--horizons-ms", a.horizons_ms, "how far ahead")->delimiter(',')->capture_default_str();
-  app.add_flag("--ablations", o.ablations, "besides: without attention, LSTM, rises, the observer");
+  app.add_flag("--ablations", o.ablations, "besides: without linear path, attention, rises, the observer");
   app.add_flag("--passive", o.passive, "train on runs in which nobody pushes");
   app.add_flag("--adapt", o.adapt, "besides: Kalman filters that adapt the model's parameters");
   app.add_flag("!--no-network", o.network, "observers and filters alone, nothing trained");
+  app.add_option("--first-seed", o.first_seed, "from which the seeds go up")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
   app.add_option("--seeds", o.seeds)->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--runs", o.training_runs, "to train on, of each seed")
       ->check(CLI::Range(3, 2000))
@@ -136,6 +140,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                            .channels = 32,
                            .heads = 4,
                            .window = 32,
+                           .linear_lags = patella::train::usualLags(),
                            .loss = patella::train::Loss::kAbsolute,
                            .epochs = 40,
                            .sequence_steps = 160,

@@ -1,0 +1,23 @@
+// The linear path of a network, found before the rest of it is trained.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tools/train/sequence.hpp"
+
+namespace patella::train {
+
+/// Steps ago, ten that grow apart: 0.36 s at 100 Hz.
+const std::vector<int>& usualLags();
+
+/// Gives linear.weight, for weights.linear_lags as they stand, the ridge regression of the normalised target
+/// on the normalised features of those lags over the trained steps, output.bias its constant, and
+/// output.weight zeros: what the network says is what is linear, until it has learned more. Past steps are
+/// those of the sequence, its first standing in for what came before it.
+void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences);
+
+/// A network that says nothing but what its linear path, of the usual lags, does. `frame` as of frameOf().
+network::NetworkWeights linearNetwork(std::span<const Sequence> sequences, network::NetworkWeights frame);
+
+}  // namespace patella::train
