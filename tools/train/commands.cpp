@@ -181,8 +181,9 @@ void fit(Arguments& a, std::ostream& out) {
   const fs::path picture = a.curves.empty() ? fs::path(a.weights).replace_extension(".png") : a.curves;
   drawCurves(trained.curve, trained.kept_epoch, "Training of " + a.weights.filename().string(), picture);
   fs::remove(checkpoint);
-  out << fmt::format("ended after {} epochs ({}); epoch {} kept\n", trained.curve.size(), trained.stopped_by,
-                     trained.kept_epoch);
+  out << fmt::format(
+      "ended after {} epochs ({}); {} kept\n", trained.curve.size(), trained.stopped_by,
+      trained.kept_epoch == 0 ? std::string("linear start") : fmt::format("epoch {}", trained.kept_epoch));
   out << (card.test ? scoreText(*card.test, outputOf(a))
                     : std::string("  nothing was held out for a test: no score is given\n"));
   out << fmt::format("  weights in {}, curves in {}\n", a.weights.string(), picture.string());

@@ -1,13 +1,60 @@
 #include "tools/train/linear_path.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <Eigen/Cholesky>
 
 namespace patella::train {
 namespace {
 
-constexpr double kRidge = 1e-3;  // of a sample, in units of normalised features
+// Of a sample, in units of normalised features; without validation the first.
+constexpr std::array kRidges = {1e-3, 1e-1, 1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+
+/// Sums over the steps of a role.
+struct Moments {
+  Eigen::MatrixXd regressors;  ///< with each other; the last is one
+  Eigen::MatrixXd targets;     ///< with the regressors
+  double samples = 0.0;
+};
+
+Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequence> sequences, Role role) {
+  const Eigen::Index inputs = weights.feature_mean.size();
+  const auto columns = static_cast<Eigen::Index>(weights.linear_lags.size()) * inputs + 1;
+  Moments sums{.regressors = Eigen::MatrixXd::Zero(columns, columns),
+               .targets = Eigen::MatrixXd::Zero(columns, weights.output_mean.size())};
+  Eigen::VectorXd regressors = Eigen::VectorXd::Ones(columns);
+  for (const Sequence& sequence : sequences) {
+    const Rows features = scaled(sequence.features, weights.feature_mean, weights.feature_scale);
+    const Rows target = scaled(targetOf(sequence, weights.output), weights.output_mean, weights.output_scale);
+    for (Eigen::Index step = 0; step < sequence.steps(); ++step) {
+      if (sequence.role[static_cast<std::size_t>(step)] != role) {
+        continue;
+      }
+      Eigen::Index column = 0;
+      for (const int lag : weights.linear_lags) {
+        regressors.segment(column, inputs) = features.row(std::max<Eigen::Index>(step - lag, 0)).transpose();
+        column += inputs;
+      }
+      sums.regressors.selfadjointView<Eigen::Lower>().rankUpdate(regressors);
+      sums.targets += regressors * target.row(step);
+      sums.samples += 1.0;
+    }
+  }
+  sums.regressors = Eigen::MatrixXd(sums.regressors.selfadjointView<Eigen::Lower>());
+  return sums;
+}
+
+Eigen::MatrixXd solve(const Moments& sums, double ridge) {
+  Eigen::MatrixXd regressors = sums.regressors;
+  regressors.diagonal().array() += ridge * sums.samples;
+  return regressors.ldlt().solve(sums.targets);
+}
+
+/// Sum of squares that a solution leaves, less that of the targets.
+double squaresLeft(const Moments& sums, const Eigen::MatrixXd& solution) {
+  return solution.cwiseProduct(sums.regressors * solution - 2.0 * sums.targets).sum();
+}
 
 }  // namespace
 
@@ -17,35 +64,18 @@ const std::vector<int>& usualLags() {
 }
 
 void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences) {
-  const Eigen::Index inputs = weights.feature_mean.size();
-  const Eigen::Index outputs = weights.output_mean.size();
-  const auto columns = static_cast<Eigen::Index>(weights.linear_lags.size()) * inputs;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns + 1, columns + 1);
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(columns + 1, outputs);
-  double samples = 0.0;
-  Eigen::VectorXd regressors(columns + 1);
-  regressors[columns] = 1.0;
-  for (const Sequence& sequence : sequences) {
-    const Rows features = scaled(sequence.features, weights.feature_mean, weights.feature_scale);
-    const Rows target = scaled(targetOf(sequence, weights.output), weights.output_mean, weights.output_scale);
-    for (Eigen::Index step = 0; step < sequence.steps(); ++step) {
-      if (sequence.role[static_cast<std::size_t>(step)] != Role::kTrain) {
-        continue;
-      }
-      Eigen::Index column = 0;
-      for (const int lag : weights.linear_lags) {
-        regressors.segment(column, inputs) = features.row(std::max<Eigen::Index>(step - lag, 0)).transpose();
-        column += inputs;
-      }
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(regressors);
-      right += regressors * target.row(step);
-      samples += 1.0;
+  const Moments training = momentsOf(weights, sequences, Role::kTrain);
+  const Moments validation = momentsOf(weights, sequences, Role::kValidation);
+  Eigen::MatrixXd best = solve(training, kRidges.front());
+  for (const double ridge : kRidges) {
+    const Eigen::MatrixXd solution = solve(training, ridge);
+    if (squaresLeft(validation, solution) < squaresLeft(validation, best)) {
+      best = solution;
     }
   }
-  normal.diagonal().array() += kRidge * samples;
-  const Eigen::MatrixXd solution = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
-  weights.linear_weight = solution.topRows(columns).transpose().cast<float>();
-  weights.output_bias = solution.row(columns).transpose().cast<float>();
+  const Eigen::Index columns = best.rows() - 1;
+  weights.linear_weight = best.topRows(columns).transpose().cast<float>();
+  weights.output_bias = best.row(columns).transpose().cast<float>();
   weights.output_weight.setZero();
 }
 

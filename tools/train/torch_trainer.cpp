@@ -102,6 +102,22 @@ class Training {
     return {loss_sum / weight_sum, validationLoss()};
   }
 
+  /// True where the linear path alone does as well on validation: what was learned beside it betters the mean
+  /// over sequences by less than its standard error. The best of many passes flatters itself by about as
+  /// much.
+  bool startSuffices(const network::NetworkWeights& learned) const {
+    if (frame_.linear_lags.empty() || validation_.weight.numel() == 0) {
+      return false;
+    }
+    const torch::Tensor gain =
+        validationLosses(TorchNetwork(frame_)) - validationLosses(TorchNetwork(learned));
+    const auto count = static_cast<double>(gain.numel());
+    const double spread = count > 1.0 ? gain.std().item<double>() / std::sqrt(count) : 0.0;
+    return gain.mean().item<double>() <= spread;
+  }
+
+  const network::NetworkWeights& startWeights() const noexcept { return frame_; }
+
   network::NetworkWeights weights(const NamedTensors& parameters) {
     const torch::NoGradGuard no_gradients;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -178,6 +194,14 @@ class Training {
     return loss.item<double>() / validation_.weight.sum().item<double>();
   }
 
+  /// Of each sequence by itself.
+  torch::Tensor validationLosses(const TorchNetwork& network) const {
+    const torch::NoGradGuard no_gradients;
+    const torch::Tensor error = network.forward(validation_.input) - validation_.target;
+    const torch::Tensor losses = (options_.loss == Loss::kSquared ? error.square() : error.abs()).mean(-1);
+    return (losses * validation_.weight).sum(-1) / validation_.weight.sum(-1);
+  }
+
   std::span<const Sequence> sequences_;
   network::NetworkWeights frame_;
   TrainingOptions options_;
@@ -242,6 +266,10 @@ Trained trainNetwork(std::span<const Sequence> sequences, const network::Network
                   .curve = state.curve,
                   .kept_epoch = 1 + static_cast<int>(keptEpoch(state.curve, options.stopping)),
                   .stopped_by = reasonFor(options, enough)};
+  if (options.stopping == Stopping::kValidation && training.startSuffices(trained.weights)) {
+    trained.weights = training.startWeights();
+    trained.kept_epoch = 0;
+  }
   return trained;
 }
 

@@ -16,8 +16,10 @@ namespace patella::train {
 /// What ends the training before its last epoch.
 enum class Stopping : std::uint8_t {
   kNone,
-  kPaper,       ///< the training loss changed by less than 0.1 % in five epochs one after the other
-  kValidation,  ///< the validation loss has had no new minimum for `patience` epochs; the best is kept
+  kPaper,  ///< the training loss changed by less than 0.1 % in five epochs one after the other
+  /// The validation loss has had no new minimum for `patience` epochs; the best is kept, or the linear start
+  /// where the best is not better by more than one standard error.
+  kValidation,
 };
 /// As written on the command line: none, paper, validation.
 const std::vector<std::string>& stoppingNames();
@@ -80,7 +82,7 @@ struct Progress {
 struct Trained {
   network::NetworkWeights weights;
   std::vector<Epoch> curve;
-  int kept_epoch = 0;      ///< from 1; that of the weights
+  int kept_epoch = 0;      ///< from 1; that of the weights. 0: the linear start, no pass was clearly better
   std::string stopped_by;  ///< for people
 };
 

@@ -42,6 +42,22 @@ TEST_CASE("losses fall, and the best on validation is kept") {
   }
 }
 
+TEST_CASE("the linear start is kept unless something clearly better is learned") {
+  const std::vector<Sequence> sequences = madeUpSequences(10, 300);
+  TrainingOptions options = smallTraining();
+  options.linear_lags = {0, 1, 4, 11};
+  options.epochs = 20;
+  const Trained bent = trainNetwork(sequences, madeUpFrame(sequences), options);
+  CHECK(bent.kept_epoch > 1);
+  CHECK_FALSE(bent.weights.output_weight.isZero());
+  options.learning_rate = 0.9;  // every pass spoils it
+  options.epochs = 3;
+  const Trained spoilt = trainNetwork(sequences, madeUpFrame(sequences), options);
+  CHECK(spoilt.kept_epoch == 0);
+  CHECK(spoilt.weights.output_weight.isZero());
+  CHECK(spoilt.weights.linear_weight == bent.weights.linear_weight);
+}
+
 TEST_CASE("two trainings of one seed are one file, of another seed another") {
   const test::ScratchFolder folder;
   const std::vector<Sequence> sequences = madeUpSequences(5, 300);

@@ -41,6 +41,7 @@ void declareTraining(CLI::App& app, patella::train::TrainingOptions& t) {
   app.add_option("--heads", t.heads)->capture_default_str();
   app.add_option("--window", t.window)->capture_default_str();
   app.add_option("--epochs", t.epochs)->capture_default_str();
+  app.add_option("--patience", t.patience)->capture_default_str();
   app.add_option("--batch", t.batch)->capture_default_str();
   app.add_option("--sequence-steps", t.sequence_steps)->capture_default_str();
   app.add_option("--burn-in", t.burn_in)->capture_default_str();
@@ -81,7 +82,6 @@ void declare(CLI::App& app, PendulumArguments& a) {
   app.add_option("--columns", a.columns, "map of their columns")->required()->check(CLI::ExistingFile);
   app.add_option("--seeds", a.options.seeds)->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--weight-decay", a.options.training.weight_decay)->capture_default_str();
-  app.add_option("--patience", a.options.training.patience)->capture_default_str();
   declareTraining(app, a.options.training);
 }
 
