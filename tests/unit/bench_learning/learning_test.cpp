@@ -4,6 +4,7 @@
 #include "tools/bench/learning/adaptation.hpp"
 #include "tools/bench/learning/forecast.hpp"
 #include "tools/bench/learning/leg_runs.hpp"
+#include "tools/bench/learning/shank_share.hpp"
 #include "tools/bench/learning/tables.hpp"
 
 using namespace patella;
@@ -71,6 +72,21 @@ TEST_CASE(
   CHECK(filter.parameters()[1] == doctest::Approx(0.03).epsilon(0.35));
   CHECK(filter.parameters()[3] == doctest::Approx(0.08).epsilon(0.25));  // smoothed wider than the leg's
   CHECK(filter.parameters()[4] == doctest::Approx(0.05).epsilon(0.25));
+}
+
+TEST_CASE(
+    "a shank that is lighter in the model is found where nobody pushes, and in part where somebody does") {
+  for (const bool passive : {true, false}) {
+    const Recording light = recordLeg({.seconds = 8.0, .error = {.shank = -0.1}, .passive = passive}, 4);
+    const ObservedRun run = observeRun(light, kalman());
+    ShankShare share(light.known().mechanism());
+    for (const tick::FeatureVector& features : run.observed.features) {
+      share.update(features, 1e-3);
+    }
+    // The model's shank is 0.9 of the true one.
+    CHECK(share.share() < 0.13);
+    CHECK(share.share() > (passive ? 0.06 : 0.03));
+  }
 }
 
 TEST_CASE("a table holds every estimator against the first of its condition") {

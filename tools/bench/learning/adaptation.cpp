@@ -6,7 +6,6 @@
 #include "core/model/presets.hpp"
 
 namespace patella::bench {
-namespace {
 
 BodyDirections directionsOf(AdaptedBody body) {
   const model::PlanarTwoLinkParameters nominal = model::physicalLeg().parameters;
@@ -18,8 +17,6 @@ BodyDirections directionsOf(AdaptedBody body) {
   heavier.inertia_kg_m2[1] *= 2.0;
   return model::PlanarTwoLink(heavier).baseParameters() - model::PlanarTwoLink(nominal).baseParameters();
 }
-
-}  // namespace
 
 AdaptiveFilter makeAdaptiveFilter(AdaptedBody body, std::span<const double> values) {
   AdaptiveSettings settings{.body = directionsOf(body)};

@@ -15,6 +15,9 @@ enum class AdaptedBody : std::uint8_t {
   kWhole,  ///< five: by which share each base parameter is larger
 };
 
+/// Change of the preset's base parameters for one of each number.
+BodyDirections directionsOf(AdaptedBody body);
+
 /// To be tuned by the rule of the observers: densities of the push and its corner. How wrong the model may
 /// be, and how fast that changes, stays as AdaptiveSettings says: a few runs, each from the nominal model, do
 /// not show it.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/network/attention_lstm.hpp"
+#include "tools/bench/learning/shank_share.hpp"
 #include "tools/train/split.hpp"
 
 namespace patella::bench {
@@ -35,6 +36,11 @@ JointVector torqueOf(const ObservedRun& run, const train::Rows& acceleration, Ei
   return inertiaAt(run, k) * JointVector(acceleration.row(k).transpose());
 }
 
+/// Samples a step.
+Eigen::Index strideOf(const train::PreparationOptions& options) {
+  return static_cast<Eigen::Index>(std::lround(kRate_Hz / options.rate_Hz));
+}
+
 /// `estimate(k)` for every sample k; recorded after settling.
 template <typename Estimate>
 Delivered deliver(const ObservedRun& run, double horizon_s, Estimate estimate) {
@@ -63,19 +69,41 @@ ObservedRun observeRun(const Recording& recording, const Tuned& observer) {
       recording.known(), method.make(recording.condition, observer.values));
   const diagnose::Recording rows = asRecording(recording);
   ObservedRun run{.observed = train::observe(front, rows, {.first = 0, .end = rows.rows()}, false),
-                  .truth = {}};
+                  .truth = {},
+                  .shank_Nm = {}};
   run.truth.resize(run.observed.f_s.rows(), 2);
   for (Eigen::Index k = 0; k < run.truth.rows(); ++k) {
     const auto& terms = run.observed.inputs[static_cast<std::size_t>(k)].terms;
     run.truth.row(k) =
         (terms.inverse_inertia * recording.samples[static_cast<std::size_t>(k)].truth).transpose();
   }
+  run.shank_Nm.resize(run.truth.rows(), 2);
+  ShankShare share(recording.known().mechanism());
+  for (Eigen::Index k = 0; k < run.truth.rows(); ++k) {
+    run.shank_Nm.row(k) =
+        share.update(run.observed.features[static_cast<std::size_t>(k)], 1.0 / kRate_Hz).transpose();
+  }
   return run;
 }
 
-train::Sequence sequenceOf(const ObservedRun& run, const train::PreparationOptions& options, train::Role role,
+std::vector<std::string> namesOf(const Inputs& inputs) {
+  std::vector<std::string> names = inputs.preparation.features;
+  if (inputs.shank_share) {
+    names.insert(names.end(), {"shank1_Nm", "shank2_Nm"});
+  }
+  return names;
+}
+
+train::Sequence sequenceOf(const ObservedRun& run, const Inputs& inputs, train::Role role,
                            const std::string& name) {
-  train::Sequence sequence = makeSequence(run.observed, run.truth, options);
+  train::Sequence sequence = makeSequence(run.observed, run.truth, inputs.preparation);
+  if (inputs.shank_share) {
+    const Eigen::Index columns = sequence.features.cols();
+    sequence.features.conservativeResize(Eigen::NoChange, columns + 2);
+    for (Eigen::Index step = 0; step < sequence.steps(); ++step) {
+      sequence.features.row(step).tail(2) = run.shank_Nm.row(step * strideOf(inputs.preparation));
+    }
+  }
   sequence.name = name;
   sequence.sha256 = name;
   assignRole(sequence, role, kSettling_s);
@@ -86,19 +114,23 @@ Delivered deliverObserver(const ObservedRun& run, double horizon_s) {
   return deliver(run, horizon_s, [&](Eigen::Index k) { return torqueOf(run, run.observed.f_s_filtered, k); });
 }
 
-Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
+Delivered deliverNetwork(const ObservedRun& run, const Inputs& inputs,
                          const network::NetworkWeights& weights) {
   network::AttentionLstm network(weights);
+  const train::PreparationOptions& options = inputs.preparation;
   const tick::FeatureSelection selection = tick::selectFeatures(options.features);
-  const auto stride = static_cast<Eigen::Index>(std::lround(kRate_Hz / options.rate_Hz));
   const bool correction = train::isCorrection(options.output);
-  std::vector<double> input(selection.size());
+  std::vector<double> input;
   JointVector value = JointVector::Zero(2);
   return deliver(run, options.horizon_s, [&](Eigen::Index k) -> JointVector {
-    if (k % stride == 0) {
+    if (k % strideOf(options) == 0) {
       const tick::FeatureVector& features = run.observed.features[static_cast<std::size_t>(k)];
-      for (std::size_t i = 0; i < input.size(); ++i) {
-        input[i] = features[static_cast<std::size_t>(selection[i])];
+      input.clear();
+      for (const int feature : selection) {
+        input.push_back(features[static_cast<std::size_t>(feature)]);
+      }
+      if (inputs.shank_share) {
+        input.insert(input.end(), {run.shank_Nm(k, 0), run.shank_Nm(k, 1)});
       }
       value = network.step(input);
     }

@@ -20,13 +20,23 @@ struct Tuned {
 /// A recording behind the loop's front end with that observer, and the truth as f_u of the loop's model.
 struct ObservedRun {
   train::Observed observed;
-  train::Rows truth;  ///< rad/s²
+  train::Rows truth;     ///< rad/s²
+  train::Rows shank_Nm;  ///< joint torques that ShankShare explains
 };
+
+/// What something learns from and sees.
+struct Inputs {
+  train::PreparationOptions preparation;
+  bool shank_share = false;  ///< besides its features: what ShankShare explains, joint by joint
+};
+
+/// In the order of the inputs.
+std::vector<std::string> namesOf(const Inputs& inputs);
 
 ObservedRun observeRun(const Recording& recording, const Tuned& observer);
 
 /// Sequence of a run in which every step but the first and the last second has the role.
-train::Sequence sequenceOf(const ObservedRun& run, const train::PreparationOptions& options, train::Role role,
+train::Sequence sequenceOf(const ObservedRun& run, const Inputs& inputs, train::Role role,
                            const std::string& name);
 
 /// Estimates beside truth, joint by joint, N·m, at every encoder sample after settling.
@@ -34,9 +44,9 @@ using Delivered = Trace;
 
 /// The observer alone, held for the horizon.
 Delivered deliverObserver(const ObservedRun& run, double horizon_s);
-/// As the loop delivers it: a step every 1 / options.rate_Hz, its output held, and added to the observer's
+/// As the loop delivers it: a step every 1 / rate_Hz, its output held, and added to the observer's
 /// newest estimate where it is a correction.
-Delivered deliverNetwork(const ObservedRun& run, const train::PreparationOptions& options,
+Delivered deliverNetwork(const ObservedRun& run, const Inputs& inputs,
                          const network::NetworkWeights& weights);
 
 /// Appends an estimate, and the truth at that sample of the run, as joint torque.

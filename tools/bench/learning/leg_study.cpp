@@ -13,7 +13,6 @@
 namespace patella::bench {
 namespace {
 
-using train::PreparationOptions;
 using train::Role;
 using train::Sequence;
 
@@ -104,37 +103,47 @@ class Trial {
     if (!options_.network) {
       return;
     }
-    PreparationOptions preparation{.features = train::deployableFeatures(2, false),
-                                   .output = network::OutputKind::kTorqueCorrection,
-                                   .rate_Hz = options_.rate_Hz,
-                                   .horizon_s = horizon_s};
-    reportNetwork("network", preparation, options_.training);
-    reportLinear(preparation);
+    const Inputs inputs{.preparation = {.features = train::deployableFeatures(2, false),
+                                        .output = network::OutputKind::kTorqueCorrection,
+                                        .rate_Hz = options_.rate_Hz,
+                                        .horizon_s = horizon_s}};
+    reportNetwork("network", inputs, options_.training);
+    reportLinear("linear path alone", inputs);
+    if (options_.shank_share) {
+      Inputs more = inputs;
+      more.shank_share = true;
+      reportNetwork("network with the shank's share", more, options_.training);
+      reportLinear("linear path alone with the shank's share", more);
+    }
     if (options_.ablations) {
-      train::TrainingOptions training = options_.training;
-      training.linear_lags.clear();
-      reportNetwork("without the linear path", preparation, training);
-      training = options_.training;
-      training.window = 1;
-      reportNetwork("without attention", preparation, training);
-      PreparationOptions now = preparation;
-      std::erase_if(now.features, [](const std::string& name) { return name.starts_with("d_rise"); });
-      reportNetwork("without rises", now, options_.training);
-      preparation.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "tau1_Nm", "tau2_Nm"};
-      preparation.output = network::OutputKind::kTorque;
-      reportNetwork("without the observer", preparation, options_.training);
+      runAblations(inputs);
     }
   }
 
  private:
-  std::vector<Sequence> sequences(const PreparationOptions& preparation) const {
+  void runAblations(Inputs inputs) {
+    train::TrainingOptions training = options_.training;
+    training.linear_lags.clear();
+    reportNetwork("without the linear path", inputs, training);
+    training = options_.training;
+    training.window = 1;
+    reportNetwork("without attention", inputs, training);
+    Inputs now = inputs;
+    std::erase_if(now.preparation.features,
+                  [](const std::string& name) { return name.starts_with("d_rise"); });
+    reportNetwork("without rises", now, options_.training);
+    inputs.preparation.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "tau1_Nm", "tau2_Nm"};
+    inputs.preparation.output = network::OutputKind::kTorque;
+    reportNetwork("without the observer", inputs, options_.training);
+  }
+
+  std::vector<Sequence> sequences(const Inputs& inputs) const {
     std::vector<Sequence> all;
     for (const ObservedRun& run : training_) {
-      all.push_back(sequenceOf(run, preparation, Role::kTrain, fmt::format("training {}", all.size())));
+      all.push_back(sequenceOf(run, inputs, Role::kTrain, fmt::format("training {}", all.size())));
     }
     for (const ObservedRun& run : validation_) {
-      all.push_back(
-          sequenceOf(run, preparation, Role::kValidation, fmt::format("validation {}", all.size())));
+      all.push_back(sequenceOf(run, inputs, Role::kValidation, fmt::format("validation {}", all.size())));
     }
     return all;
   }
@@ -157,22 +166,22 @@ class Trial {
     });
   }
 
-  void reportNetwork(const std::string& name, const PreparationOptions& preparation,
-                     train::TrainingOptions training) {
+  void reportNetwork(const std::string& name, const Inputs& inputs, train::TrainingOptions training) {
     training.seed = seed_;
-    const std::vector<Sequence> all = sequences(preparation);
+    const std::vector<Sequence> all = sequences(inputs);
     const train::Trained trained =
-        trainNetwork(all, frameOf(all, preparation.features, preparation.output), training);
-    report(name, preparation.horizon_s,
-           [&](std::size_t i) { return deliverNetwork(test_[i], preparation, trained.weights); });
+        trainNetwork(all, frameOf(all, namesOf(inputs), inputs.preparation.output), training);
+    reportWeights(name, inputs, trained.weights);
   }
 
-  void reportLinear(const PreparationOptions& preparation) {
-    const std::vector<Sequence> all = sequences(preparation);
-    const network::NetworkWeights weights =
-        linearNetwork(all, frameOf(all, preparation.features, preparation.output));
-    report("linear path alone", preparation.horizon_s,
-           [&](std::size_t i) { return deliverNetwork(test_[i], preparation, weights); });
+  void reportLinear(const std::string& name, const Inputs& inputs) {
+    const std::vector<Sequence> all = sequences(inputs);
+    reportWeights(name, inputs, linearNetwork(all, frameOf(all, namesOf(inputs), inputs.preparation.output)));
+  }
+
+  void reportWeights(const std::string& name, const Inputs& inputs, const network::NetworkWeights& weights) {
+    report(name, inputs.preparation.horizon_s,
+           [&](std::size_t i) { return deliverNetwork(test_[i], inputs, weights); });
   }
 
   template <typename Deliver>

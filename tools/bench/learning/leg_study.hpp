@@ -18,7 +18,8 @@ struct LegStudyOptions {
   std::vector<ModelError> errors;
   std::vector<double> horizons_s{0.0};
   bool ablations = false;  ///< besides: without linear path, attention, rises, what the observer says at all
-  bool passive = false;    ///< trained on runs in which the patient does not push, tested where he does
+  bool shank_share = false;  ///< besides: networks that see what ShankShare explains
+  bool passive = false;      ///< trained on runs in which the patient does not push, tested where he does
   bool adapt = false;   ///< besides: filters that adapt the model's parameters, from nominal and as trained
   bool network = true;  ///< false: without it and its training, observers and filters alone
   int first_seed = 1;

@@ -57,6 +57,8 @@ void declare(CLI::App& app, LegArguments& a) {
   app.add_flag("--individual", a.individual, "each patient has his own error within those bounds");
   app.add_option("--horizons-ms", a.horizons_ms, "how far ahead")->delimiter(',')->capture_default_str();
   app.add_flag("--ablations", o.ablations, "besides: without linear path, attention, rises, the observer");
+  app.add_flag("--shank-share", o.shank_share,
+               "besides: networks that see what a heavier shank would explain, fitted as the run goes on");
   app.add_flag("--passive", o.passive, "train on runs in which nobody pushes");
   app.add_flag("--adapt", o.adapt, "besides: Kalman filters that adapt the model's parameters");
   app.add_flag("!--no-network", o.network, "observers and filters alone, nothing trained");
