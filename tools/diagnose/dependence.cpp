@@ -243,8 +243,9 @@ DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::spa
                               int replicates, double family_wise_p, std::uint64_t seed) {
   const std::vector<Variable> all = variables(data, channels);
   const Atoms atoms = functionAtoms(data, all);
-  const Screening screening(data, fit, atoms.items, atoms.columns,
-                            {.replicates = replicates, .seed = seed, .nuisance = nuisance(data)});
+  const Screening screening(
+      data, fit, atoms.items, atoms.columns,
+      {.replicates = replicates, .seed = seed, .nuisance = nuisance(data), .goes_with_motion = true});
   const std::vector<double> chance = screening.chance(surprise);
   DependenceTest test;
   std::vector<std::pair<double, Dependence>> ranked;

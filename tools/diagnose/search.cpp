@@ -94,6 +94,37 @@ Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int coun
   return draws;
 }
 
+constexpr Eigen::Index kClusters = 40;
+/// The variance of a sum of products of two Gaussian processes is at most twice as large where they go
+/// together (Isserlis); what varies more is something missing that shows here and there, such as a contact.
+constexpr double kMostByMotion = 2.0;
+
+// Mean square that chance brings a column of the basis, from sums of its products with the residual over
+// pieces of time (Liang and Zeger, Biometrika 73, 1986).
+double clusteredVariance(const std::vector<Eigen::VectorXd>& basis, Eigen::VectorXd residual, int joints) {
+  for (const Eigen::VectorXd& unit : basis) {
+    const auto column = unit.head(residual.size());
+    residual -= column * column.dot(residual);
+  }
+  const Eigen::Index rows = residual.size() / joints;
+  double sum = 0.0;
+  for (Eigen::Index cluster = 0; cluster < kClusters; ++cluster) {
+    const Eigen::Index begin = rows * cluster / kClusters;
+    const Eigen::Index size = rows * (cluster + 1) / kClusters - begin;
+    for (const Eigen::VectorXd& unit : basis) {
+      double product = 0.0;
+      for (int joint = 0; joint < joints; ++joint) {
+        const Eigen::Index first = joint * rows + begin;
+        product += unit.segment(first, size).dot(residual.segment(first, size));
+      }
+      sum += product * product;
+    }
+  }
+  // What the basis took up of the residual is missing in the sums.
+  const auto taken = static_cast<double>(basis.size());
+  return sum / taken * static_cast<double>(kClusters) / (static_cast<double>(kClusters) - taken);
+}
+
 /// Steps of a climb are so many times those of the recipe at first, and halve.
 constexpr double kFirstClimb = 4.0;
 constexpr int kMostTries = 80;
@@ -162,6 +193,9 @@ Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const A
                        .count = static_cast<Eigen::Index>(kept.size()),
                        .dimensions = result.dimensions,
                        .one_sided = one_sided});
+    if (options.goes_with_motion && !kept.empty()) {
+      groups_.back().seen_in_time = clusteredVariance(kept, residual.head(white.size()), data.joints());
+    }
     for (const Eigen::VectorXd& unit : kept) {
       result.raw_gain += std::pow(unit.dot(residual), 2);
       basis_.col(used++) = unit.cast<float>();  // a single column keeps its sign, for one-sided tests
@@ -183,7 +217,8 @@ void Screening::drawChance(const Dataset& data, const ModelFit& fit, const Scree
     if (group.count > 0) {
       group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
                    static_cast<double>(group.count * products_.cols());
-      results_[g].gain = results_[g].raw_gain / group.unit;
+      results_[g].gain =
+          results_[g].raw_gain / std::clamp(group.seen_in_time, group.unit, kMostByMotion * group.unit);
     }
   }
 }

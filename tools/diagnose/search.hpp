@@ -39,6 +39,9 @@ struct ScreeningOptions {
   int replicates = 499;
   std::uint64_t seed = 1;
   Eigen::MatrixXd nuisance{};  ///< Columns that may take up what they can, like the fitted parameters
+  /// Chance brings a column at least what its products with the residual vary over time: the noise moves the
+  /// joints, and is louder here than there, while draws know nothing of the motion.
+  bool goes_with_motion = false;
 };
 
 /// Tests atoms on what a fit leaves. What counts as much is not a sum of squares but how it compares with the
@@ -62,7 +65,8 @@ class Screening {
     Eigen::Index count = 0;
     int dimensions = 0;
     bool one_sided = false;
-    double unit = 1.0;  ///< mean square that chance brings a column
+    double unit = 1.0;          ///< mean square that chance brings a column
+    double seen_in_time = 0.0;  ///< the same from the recording itself; see ScreeningOptions
   };
 
   void drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options);
