@@ -39,6 +39,8 @@ constexpr double kLeastShare = 0.03;
 /// Squared standard deviations. Damping that the model declares, or its masses, may have moved to make up for
 /// what is missing, so that little is left to explain.
 constexpr double kMaterialRelief = 4.0;
+/// Of Akaike's criterion: a rival so much behind another has less than a seventh of its support.
+constexpr double kPredictsLess = 4.0;
 constexpr double kLeastStability = 0.8;
 constexpr double kCrossValidationErrors = 1.5;
 constexpr int kRivalReplicates = 99;
@@ -248,30 +250,34 @@ class Selector {
       std::erase_if(candidates, [&](const Candidate& c) {
         return c.atom->label == own || c.score < kNearRival * own_score;
       });
-      std::vector<std::string> rivals;
+      std::vector<const Candidate*> rivals;
       fitBest(smaller, candidates);
       const Candidate* simpler = nullptr;
       const Candidate* wider = nullptr;
-      for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const std::string& label = candidates[i].atom->label;
-        if (candidates[i].fit && !unphysical(candidates[i].refused_because) &&
-            (rivalMargin(candidates[i], smaller) > full_margin - kRivalMargin ||
-             candidates[i].fit->objective < result_.fit.objective + kAsWell * unit_) &&
-            !decidedByNesting(candidates[i], smaller, t) &&
-            std::find(rivals.begin(), rivals.end(), label) == rivals.end()) {
-          rivals.push_back(label);
-        } else if (candidates[i].fit && isNearlyAll(candidates[i], smaller, t)) {
-          simpler = &candidates[i];
-        } else if (candidates[i].fit && rivals.empty() && notExcluded(candidates[i], t) &&
-                   (wider == nullptr || predicts(candidates[i]) > predicts(*wider))) {
-          wider = &candidates[i];
+      for (const Candidate& candidate : candidates) {
+        if (candidate.fit && !unphysical(candidate.refused_because) &&
+            (rivalMargin(candidate, smaller) > full_margin - kRivalMargin ||
+             candidate.fit->objective < result_.fit.objective + kAsWell * unit_) &&
+            !decidedByNesting(candidate, smaller, t)) {
+          rivals.push_back(&candidate);
+        } else if (candidate.fit && isNearlyAll(candidate, smaller, t)) {
+          simpler = &candidate;
+        } else if (candidate.fit && rivals.empty() && notExcluded(candidate, t) &&
+                   (wider == nullptr || predicts(candidate) > predicts(*wider))) {
+          wider = &candidate;
         }
       }
       const Candidate* other = simpler != nullptr ? simpler : wider;
       if (rivals.empty() && other != nullptr) {
-        rivals.push_back(other->atom->label);
+        rivals.push_back(other);
       }
-      result_.evidence[t].rivals = std::move(rivals);
+      dropOutdone(rivals);
+      for (const Candidate* rival : rivals) {
+        auto& labels = result_.evidence[t].rivals;
+        if (std::find(labels.begin(), labels.end(), rival->atom->label) == labels.end()) {
+          labels.push_back(rival->atom->label);
+        }
+      }
     }
   }
 
@@ -284,6 +290,30 @@ class Selector {
     const double more = parameters(*rival.fit) - parameters(result_.fit);
     const double gain = (smaller.objective - rival.fit->objective) / unit_ - result_.evidence[term].gain;
     return contains(*rival.atom->recipe, own) && gain < kNestedEvidence * more;
+  }
+
+  // Of rivals of which one contains the other, evidence chooses as above; of any, those stay that would
+  // predict nearly as well as the best of them.
+  void dropOutdone(std::vector<const Candidate*>& rivals) const {
+    const auto outdone = [&](const Candidate* rival, const Candidate* other) {
+      const double gain = (other->fit->objective - rival->fit->objective) / unit_;
+      const double more = parameters(*rival->fit) - parameters(*other->fit);
+      if (contains(*rival->atom->recipe, *other->atom->recipe) ||
+          contains(*other->atom->recipe, *rival->atom->recipe)) {
+        return gain < kNestedEvidence * more;
+      }
+      return predicts(*rival) < predicts(*other) - kPredictsLess * unit_;
+    };
+    const auto outdoneByAny = [&](const Candidate* rival) {
+      return std::any_of(rivals.begin(), rivals.end(), [&](const Candidate* other) {
+        return other->atom->recipe->label() != rival->atom->recipe->label() && outdone(rival, other);
+      });
+    };
+    // One by one, so that the last stays.
+    for (auto at = rivals.begin();
+         (at = std::find_if(rivals.begin(), rivals.end(), outdoneByAny)) != rivals.end();) {
+      rivals.erase(at);
+    }
   }
 
   // Whether dry friction alone explains almost what Stribeck's does. Near rest a measured velocity turns
