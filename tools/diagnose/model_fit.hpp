@@ -13,6 +13,7 @@
 
 #include "firmware_app/files/model_file.hpp"
 #include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/edges.hpp"
 #include "tools/diagnose/noise_model.hpp"
 #include "tools/diagnose/recipe.hpp"
 
@@ -29,12 +30,6 @@ struct Term {
   bool declared = false;        ///< part of the model that was given: held near its values
   std::vector<double> prior_c;  ///< those values
   std::vector<Term> replaced;   ///< declared terms in whose place it stands
-};
-
-/// A parameter at the edge of what physics allows, with the data pulling it beyond.
-struct Edge {
-  std::string label;   ///< of the term
-  std::string reason;  ///< "sign: stribeck_level_Nm", "range: delay_s"
 };
 
 /// A set of effects with their estimates, and how well it explains the data.
@@ -107,7 +102,6 @@ class ModelFitter {
   Eigen::MatrixXd cached(const std::string& key, const std::function<Eigen::MatrixXd()>& work_out);
   void solve(ModelFit& fit, const Weighting& weighting);
   void linearise(ModelFit& fit);
-  static void findEdges(ModelFit& fit);
   void addDeclared(const app::ModelDescription& nominal);
 
   const Dataset* data_;

@@ -39,8 +39,8 @@ struct ScreeningOptions {
   int replicates = 499;
   std::uint64_t seed = 1;
   Eigen::MatrixXd nuisance{};  ///< Columns that may take up what they can, like the fitted parameters
-  /// Chance brings a column at least what its products with the residual vary over time: the noise moves the
-  /// joints, and is louder here than there, while draws know nothing of the motion.
+  /// Chance brings a column at least what its products with the residual vary over time: the encoder's noise
+  /// is in both, a push moves the joints, and draws know nothing of that.
   bool goes_with_motion = false;
 };
 

@@ -130,6 +130,16 @@ TEST_CASE("wrong masses are no effect") {
   }
 }
 
+TEST_CASE("noise that goes with the motion is not something unknown") {
+  for (const std::uint64_t seed : {97000204, 97000232}) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis =
+        diagnosed(drawCase(seed, Suite::kNone, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    CHECK(diagnosis.verdict == diagnose::Verdict::kNothingMissing);
+    CHECK(diagnosis.unexplained.empty());
+  }
+}
+
 TEST_CASE("the same seed gives the same diagnosis") {
   const Case drawn = strong("coulomb_friction");
   const diagnose::Diagnosis first = diagnosed(drawn);
