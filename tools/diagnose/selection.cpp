@@ -30,6 +30,9 @@ constexpr double kRivalMargin = 6.0;
 /// The same without regard to the number of parameters: what explains no less is no worse an answer for
 /// having more of them, which its physics may have fixed.
 constexpr double kAsWell = 2.7;
+/// The same as a share of what was found explains: where that is much, small faults of any model, which grow
+/// with it, count for more than noise.
+constexpr double kNoDifference = 0.005;
 /// An effect that contains another always explains as much. It is a rival only where each parameter that it
 /// has beyond the other explains more than one in twenty would by chance.
 constexpr double kNestedEvidence = 3.84;
@@ -230,7 +233,7 @@ class Selector {
     }
   }
 
-  // Effects that would do as well in a found one's place. One that does better takes it.
+  // Effects that would do as well in a found one's place.
   void findRivals() {
     for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
       if (result_.fit.terms[t].declared) {
@@ -257,7 +260,9 @@ class Selector {
       for (const Candidate& candidate : candidates) {
         if (candidate.fit && !unphysical(candidate.refused_because) &&
             (rivalMargin(candidate, smaller) > full_margin - kRivalMargin ||
-             candidate.fit->objective < result_.fit.objective + kAsWell * unit_) &&
+             candidate.fit->objective <
+                 result_.fit.objective +
+                     std::max(kAsWell, kNoDifference * result_.evidence[t].gain) * unit_) &&
             !decidedByNesting(candidate, smaller, t)) {
           rivals.push_back(&candidate);
         } else if (candidate.fit && isNearlyAll(candidate, smaller, t)) {
