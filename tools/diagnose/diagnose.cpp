@@ -265,8 +265,9 @@ class Procedure {
       if (term.declared) {
         continue;
       }
-      addFinding(term.recipe->kind, term.recipe->joint, estimates(selection.fit, covariance, t),
-                 selection.evidence[t]);
+      result_.effects.push_back(findingOf(term.recipe->kind, term.recipe->joint,
+                                          estimates(selection.fit, covariance, t), selection.evidence[t],
+                                          train_->joints()));
       for (const Term& replaced : term.replaced) {
         result_.effects.back().replaces.push_back(replaced.recipe->kind);
       }
@@ -278,7 +279,8 @@ class Procedure {
       }
     }
     for (const LateDrive& late : late_) {
-      addFinding(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence);
+      result_.effects.push_back(
+          findingOf(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence, train_->joints()));
     }
     addConfoundsBetween(result_.effects);
     addTremor(fitter.describe(selection.fit));
@@ -309,25 +311,6 @@ class Procedure {
                                  .refitted = value * ratio,
                                  .sd = value * ratio * std::sqrt(covariance(row, row))});
     }
-  }
-
-  void addFinding(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
-                  const Evidence& evidence) {
-    EffectFinding finding{.kind = kind,
-                          .joint = joint,
-                          .parameters = std::move(parameters),
-                          .p_value = evidence.p_value,
-                          .gain = 0.5 * evidence.gain,
-                          .indistinguishable_from = {},
-                          .replaces = {},
-                          .separating_motion = {}};
-    for (const std::string& rival : evidence.rivals) {
-      const std::string own_joint = "@" + std::to_string(joint + 1);
-      finding.indistinguishable_from.push_back(
-          rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
-    }
-    addConfounds(finding, train_->joints());
-    result_.effects.push_back(std::move(finding));
   }
 
   // What found effects explain includes what the declared ones did that they replaced.
@@ -391,20 +374,6 @@ class Procedure {
 };
 
 }  // namespace
-
-std::string_view verdictName(Verdict verdict) noexcept {
-  switch (verdict) {
-    case Verdict::kEffectFound:
-      return "effect_found";
-    case Verdict::kNothingMissing:
-      return "nothing_missing";
-    case Verdict::kUnknownEffect:
-      return "unknown_effect";
-    case Verdict::kInsufficientExcitation:
-      return "insufficient_excitation";
-  }
-  return "";
-}
 
 Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Recording> holdout,
                    const app::ModelDescription& model, const DiagnoseOptions& options) {

@@ -38,8 +38,6 @@ std::string separatingMotion(std::string_view kind) {
   return "slow motion through the whole range, then the same path fast";
 }
 
-}  // namespace
-
 void addConfounds(EffectFinding& finding, int joints) {
   if (finding.kind == "asymmetric_friction") {
     finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
@@ -59,6 +57,41 @@ void addConfounds(EffectFinding& finding, int joints) {
   if (!finding.indistinguishable_from.empty()) {
     finding.separating_motion = separatingMotion(finding.kind);
   }
+}
+
+}  // namespace
+
+std::string_view verdictName(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::kEffectFound:
+      return "effect_found";
+    case Verdict::kNothingMissing:
+      return "nothing_missing";
+    case Verdict::kUnknownEffect:
+      return "unknown_effect";
+    case Verdict::kInsufficientExcitation:
+      return "insufficient_excitation";
+  }
+  return "";
+}
+
+EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
+                        const Evidence& evidence, int joints) {
+  EffectFinding finding{.kind = kind,
+                        .joint = joint,
+                        .parameters = std::move(parameters),
+                        .p_value = evidence.p_value,
+                        .gain = 0.5 * evidence.gain,
+                        .indistinguishable_from = {},
+                        .replaces = {},
+                        .separating_motion = {}};
+  for (const std::string& rival : evidence.rivals) {
+    const std::string own_joint = "@" + std::to_string(joint + 1);
+    finding.indistinguishable_from.push_back(
+        rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
+  }
+  addConfounds(finding, joints);
+  return finding;
 }
 
 void addConfoundsBetween(std::vector<EffectFinding>& findings) {

@@ -4,18 +4,22 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/selection.hpp"
 
 namespace patella::diagnose {
 
-/// Adds what equals an effect by algebra, whatever the motion, or is the limit of what could be behind it;
-/// and the motion that would tell apart all that it cannot be told from.
-void addConfounds(EffectFinding& finding, int joints);
+/// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
+/// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that
+/// would tell them apart.
+EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
+                        const Evidence& evidence, int joints);
 
-/// The same that follows from what was found together: a spring that rests elsewhere takes up what two levels
-/// of friction differ by.
+/// Adds what cannot be told apart because of what was found together: a spring that rests elsewhere takes up
+/// what two levels of friction differ by.
 void addConfoundsBetween(std::vector<EffectFinding>& findings);
 
 /// A tremor whose phase wanders, by its line in what is left of the torque, unless what was found rings by

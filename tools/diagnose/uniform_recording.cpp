@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/emg/emg_chain.hpp"
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/time_base.hpp"
+#include "tools/diagnose/recorded_emg.hpp"
 #include "tools/diagnose/sample_clock.hpp"
 #include "tools/signals/signals.hpp"
 
@@ -27,9 +27,6 @@ constexpr double kLongestBridge_samples = 3.0;
 constexpr double kRoundingOfRate = 0.002;
 /// Of the rows: with more without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;
-constexpr double kLowestEmgRate_Hz = 200.0;
-/// Below it a channel holds nothing.
-constexpr double kSilence = 1e-9;
 
 std::string place(const RawRecording& raw, std::size_t row) {
   return raw.line.empty() ? fmt::format("{}: sample {}", raw.name, row + 1)
@@ -276,46 +273,6 @@ std::vector<double> joined(const std::vector<double>& values, const std::vector<
   return result;
 }
 
-bool silent(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) < kSilence; });
-}
-
-using Channels = std::array<std::vector<double>, kMaxEmgChannels>;
-
-/// The loop's chain over each segment, then all of it in units of its largest envelope.
-Channels activationOf(const Channels& emg_mV, const Recording& recording) {
-  if (recording.rate_Hz < kLowestEmgRate_Hz) {
-    throw FileError(
-        fmt::format("{}: raw EMG at {:.4g} Hz, expected at least {:.4g} Hz, or its envelope as activation",
-                    recording.name, recording.rate_Hz, kLowestEmgRate_Hz));
-  }
-  emg::EmgChain chain({.rate_Hz = recording.rate_Hz});
-  Channels activation;
-  for (const Segment& segment : recording.segments) {
-    chain.reset();
-    for (std::size_t i = segment.first; i < segment.end; ++i) {
-      EmgArray sample{};
-      for (std::size_t c = 0; c < sample.size(); ++c) {
-        sample[c] = emg_mV[c].empty() ? 0.0 : emg_mV[c][i];
-      }
-      const EmgArray envelope_mV = chain.update(sample, 1).envelope_mV;
-      for (std::size_t c = 0; c < sample.size(); ++c) {
-        activation[c].push_back(envelope_mV[c]);
-      }
-    }
-  }
-  for (std::vector<double>& channel : activation) {
-    const double largest = *std::max_element(channel.begin(), channel.end());
-    if (largest < kSilence) {
-      channel.clear();
-    }
-    for (double& value : channel) {
-      value = std::max(0.0, value / largest);
-    }
-  }
-  return activation;
-}
-
 /// A torque that sits at its highest or lowest value, and hardly ever near it, is cut off there.
 void warnOfClipping(const std::vector<double>& torque, std::size_t joint,
                     std::vector<std::string>& warnings) {
@@ -343,7 +300,7 @@ void warnOfClipping(const std::vector<double>& torque, std::size_t joint,
 
 void fillEmg(const RawRecording& raw, const Instants& instants, const std::vector<Stretch>& stretches,
              Recording& recording) {
-  Channels emg_mV;
+  EmgChannels emg_mV;
   bool raw_emg = false;
   for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
     if (!raw.activation[c].empty() && !silent(raw.activation[c])) {

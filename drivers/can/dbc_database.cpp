@@ -1,0 +1,53 @@
+// A database from its file, and what it holds, by name and by identifier.
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "drivers/can/dbc.hpp"
+
+namespace patella::can {
+
+Database loadDbc(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text;
+  try {
+    // A folder opens, but reading it throws.
+    text.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  } catch (const std::ios_base::failure&) {
+    stream.setstate(std::ios::failbit);
+  }
+  if (!stream)
+    throw DbcError(file.string() + ": cannot be read");
+  return parseDbc(text, file.string());
+}
+
+const Signal* Message::find(std::string_view signal) const noexcept {
+  const auto found = std::find_if(signals.begin(), signals.end(),
+                                  [&](const Signal& candidate) { return candidate.name == signal; });
+  return found == signals.end() ? nullptr : &*found;
+}
+
+const Message* Database::find(std::string_view message) const noexcept {
+  const auto found = std::find_if(messages.begin(), messages.end(),
+                                  [&](const Message& candidate) { return candidate.name == message; });
+  return found == messages.end() ? nullptr : &*found;
+}
+
+const Message* Database::find(std::uint32_t id, bool extended) const noexcept {
+  const auto found = std::find_if(messages.begin(), messages.end(), [&](const Message& candidate) {
+    return candidate.id == id && candidate.extended == extended;
+  });
+  return found == messages.end() ? nullptr : &*found;
+}
+
+const Message& Database::message(std::string_view name) const {
+  if (const Message* found = find(name))
+    return *found;
+  std::string known;
+  for (const Message& candidate : messages)
+    known += (known.empty() ? "" : ", ") + candidate.name;
+  throw std::invalid_argument(source + ": no message '" + std::string(name) + "'; there are: " + known);
+}
+
+}  // namespace patella::can
