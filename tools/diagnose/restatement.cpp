@@ -33,6 +33,8 @@ class Restatement {
     unite("torque_bias", "asymmetric_friction", 2);
     unite("stribeck_friction", "stribeck_friction", 2);
     restateFriction();
+    while (simplify()) {
+    }
   }
 
  private:
