@@ -53,7 +53,7 @@ std::vector<Edge> edgesOf(const ModelFit& fit) {
         edges.push_back({recipe.label(), "range: " + coefficientName(recipe, term.nu, i)});
       }
     }
-    const std::string beyond = recipe.beyond && !term.declared ? recipe.beyond(term.c) : "";
+    const std::string beyond = recipe.beyond && !term.declared ? recipe.beyond(term.c, term.nu) : "";
     if (!beyond.empty()) {
       edges.push_back({recipe.label(), "range: " + beyond});
     }

@@ -47,9 +47,9 @@ struct Recipe {
   /// Kinds whose torque is a special case of this one, its own among them where a joint has but one of it:
   /// they are replaced, not added to.
   std::vector<std::string> contains;
-  /// Name of a parameter that the coefficients put where it cannot be, although each is possible by itself;
+  /// Name of a parameter that c and ν together put where it cannot be, although each is possible by itself;
   /// mostly none.
-  std::function<std::string(std::span<const double> c)> beyond;
+  std::function<std::string(std::span<const double> c, std::span<const double> nu)> beyond;
   /// The torque is nearly proportional to ν[0], so that a first estimate follows from any point of the grid.
   bool proportional = false;
   /// The drive gives more or less than it was told: all that the other effects and the mechanism take from it

@@ -21,7 +21,7 @@ Recipe linearStiffness(const Motion& motion) {
   constexpr double kFarthestRest = 2.0;  // ranges of the motion, from its middle
   const double middle = motion.lowest_position + 0.5 * motion.position_range;
   const double farthest = kFarthestRest * motion.position_range;
-  recipe.beyond = [=](Numbers c) -> std::string {
+  recipe.beyond = [=](Numbers c, Numbers) -> std::string {
     return std::abs(c[1] - c[0] * middle) > c[0] * farthest ? "rest_position_rad" : "";
   };
   recipe.basis = [](Numbers) -> std::vector<std::vector<BasisTerm>> {
@@ -82,6 +82,9 @@ Recipe passiveKneeMoment(const Motion& motion) {
   const bool at_rest = motion.duration_s == 0.0;
   const double spread = std::log(at_rest ? 2.0 : 1.5);
   const double most = (at_rest ? 3.0 : 1.5) * spread;
+  // For the same reason the branch against flexion, by far the smaller one, may not be so many times what the
+  // other lets expect: a spring that hardens, or a contact, would look like it.
+  constexpr double kMostOneSided = 10.0;
   recipe.nonlinear.assign(kSlopes.size(), {.lower = -most, .upper = most, .spread = spread});
   recipe.grid = product(std::vector<std::vector<double>>(kSlopes.size(), {0.0}));
   const auto shape = [=](Numbers nu, double flexion, double extension, double offset) {
@@ -95,6 +98,20 @@ Recipe passiveKneeMoment(const Motion& motion) {
     return std::vector<double>(parameters);
   };
   recipe.parameters = [=](Numbers c, Numbers nu) { return shape(nu, c[0], c[1], c[2]); };
+  if (!at_rest) {
+    // Logarithm of a branch over the published one, at the end of the motion where it is largest.
+    const auto over = [=](double factor, const char* log, const char* slope, double nu, double angle_rad) {
+      const double published = typical.of(slope).initial;
+      return std::log(factor) - typical.of(log).initial + published * (std::exp(nu) - 1.0) * angle_rad;
+    };
+    const double lowest = motion.lowest_position;
+    const double highest = lowest + motion.position_range;
+    recipe.beyond = [=](Numbers c, Numbers nu) -> std::string {
+      const double flexion = over(c[0], "flexion_log_Nm", kSlopes[0], nu[0], lowest);
+      const double extension = over(c[1], "extension_log_Nm", kSlopes[2], nu[2], highest);
+      return flexion > extension + std::log(kMostOneSided) ? "flexion_log_Nm" : "";
+    };
+  }
   return recipe;
 }
 

@@ -76,6 +76,14 @@ TEST_CASE("a ripple of few periods beside a spring is told from a spring that ha
   CHECK(hardening.verdict == diagnose::Verdict::kUnknownEffect);
   REQUIRE(!hardening.unexplained.empty());
   CHECK(hardening.unexplained.front().variable == "q1");
+
+  // No knee stiffens against flexion alone.
+  const diagnose::Diagnosis one_sided =
+      diagnosed(drawCase(102000139, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  CHECK(one_sided.verdict == diagnose::Verdict::kUnknownEffect);
+  for (const diagnose::EffectFinding& effect : one_sided.effects) {
+    CHECK(effect.kind != "passive_knee_moment");
+  }
 }
 
 TEST_CASE("friction with a peak at rest beside viscous friction goes by these names") {
