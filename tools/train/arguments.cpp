@@ -1,6 +1,5 @@
 #include "tools/train/arguments.hpp"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <stdexcept>
@@ -89,8 +88,8 @@ void declareNetwork(CLI::App& app, Arguments& a) {
   app.add_option("--window", t.window, "steps that attention sees; 1: no attention")->capture_default_str();
   app.add_option(
          "--linear-lags", a.linear_lags,
-         "steps ago, separated by commas, whose features act on the output directly; none. Unless given: " +
-             fmt::format("{}", fmt::join(usualLags(), ",")) + ", none where time_s is a feature")
+         "steps ago, separated by commas, whose features act on the output directly, without bound; usual: " +
+             fmt::format("{}", fmt::join(usualLags(), ",")))
       ->delimiter(',');
   app.add_option("--attention-scale", a.attention_scale,
                  "of the scores: 1/sqrt(channels/heads), or none as printed")
@@ -124,26 +123,17 @@ void declareTraining(CLI::App& app, Arguments& a) {
   app.add_option("--threads", t.threads, "the same number gives the same file")->capture_default_str();
 }
 
-/// Time that grows for ever leaves the range that was learned, and a line through it all the more.
-bool knowsTime(const std::vector<std::string>& features) {
-  return std::any_of(features.begin(), features.end(),
-                     [](const std::string& name) { return name == "paper" || name == "time_s"; });
-}
-
 std::vector<int> lagsOf(const Arguments& a) {
-  if (a.linear_lags.empty()) {
-    return knowsTime(a.features) ? std::vector<int>{} : usualLags();
+  if (a.linear_lags == std::vector<std::string>{"usual"}) {
+    return usualLags();
   }
   std::vector<int> lags;
   for (const std::string& text : a.linear_lags) {
     int lag = 0;
     const char* end = text.data() + text.size();
-    if (a.linear_lags.size() == 1 && text == "none") {
-      return lags;
-    }
     const auto [stopped, error] = std::from_chars(text.data(), end, lag);
     if (error != std::errc() || stopped != end) {
-      throw std::invalid_argument("linear_lags: value '" + text + "', expected steps, or none");
+      throw std::invalid_argument("linear_lags: value '" + text + "', expected steps, or usual alone");
     }
     lags.push_back(lag);
   }

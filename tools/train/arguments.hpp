@@ -32,7 +32,7 @@ struct Arguments {
   std::string split_name = "blocked";
   SplitOptions split;
   std::string attention_scale = "inv_sqrt";
-  std::vector<std::string> linear_lags;  ///< numbers, or none; empty: as the features suggest
+  std::vector<std::string> linear_lags;  ///< numbers, or "usual" alone; empty: no linear path
   std::string initialisation = "pytorch";
   std::string loss = "squared";
   std::string stopping = "validation";
