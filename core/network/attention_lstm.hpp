@@ -16,9 +16,10 @@ namespace patella::network {
 
 /// Features -> LSTM (one or two layers) -> dense -> tanh -> causal multi-head attention over the last
 /// `window` steps, (31) to (34) -> dense; beside them, where the weights have it, a linear function of
-/// features of now and of some while ago, added to the output. float32 or int16 inside, double at both ends;
-/// no heap after construction; the same inputs give the same bits, with every instruction set. What PyTorch
-/// computes with a causal mask over the whole sequence, this computes step by step. Movable, not copyable.
+/// features of now and of some while ago, added to the output within a bound. float32 or int16 inside, double
+/// at both ends; no heap after construction; the same inputs give the same bits, with every instruction set.
+/// What PyTorch computes with a causal mask over the whole sequence, this computes step by step. Movable, not
+/// copyable.
 class AttentionLstm {
  public:
   /// Throws std::invalid_argument naming the tensor or quantity that does not fit (see checkWeights), an

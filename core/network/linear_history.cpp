@@ -1,6 +1,7 @@
 #include "core/network/linear_history.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace patella::network {
 
@@ -25,14 +26,20 @@ LinearHistory::LinearHistory(const NetworkWeights& weights)
     : lags_(weights.linear_lags),
       outputs_(static_cast<int>(weights.linear_weight.rows())),
       weight_(rowsByLag(weights), Precision::kFloat32),
+      bound_(static_cast<std::size_t>(outputs_)),
       zero_(weight_.paddedRows()),
       length_(std::max(lags_.back(), 1)),
       products_(length_ * weight_.paddedRows()),
-      past_(static_cast<std::size_t>(outputs_)) {}
+      past_(static_cast<std::size_t>(outputs_)),
+      sum_(static_cast<std::size_t>(outputs_)) {
+  Eigen::Map<Eigen::VectorXd>(bound_.data(), outputs_) =
+      weights.output_scale.cwiseProduct(weights.linear_bound.cast<double>());
+}
 
 void LinearHistory::reset() noexcept {
   slot_ = 0;
   count_ = 0;
+  trust_ = 1.0;
 }
 
 /// Of the step `age` before the newest in the ring, or of the oldest there is.
@@ -52,6 +59,16 @@ void LinearHistory::prepare() noexcept {
   }
 }
 
+/// Of this step alone.
+double LinearHistory::trustInSum() const noexcept {
+  double trust = 1.0;
+  for (std::size_t i = 0; i < sum_.size(); ++i) {
+    const double ratio = std::abs(sum_[i]) / bound_[i];
+    trust = ratio < 2.0 ? std::min(trust, 2.0 - ratio) : 0.0;  // NaN: infinities of both signs
+  }
+  return trust;
+}
+
 void LinearHistory::step(const kernel::Functions& functions, const Signal& input, double* output) noexcept {
   const bool first = count_ == 0;
   float* newest = products_.data() + slot_ * weight_.paddedRows();
@@ -61,7 +78,11 @@ void LinearHistory::step(const kernel::Functions& functions, const Signal& input
   if (first)  // stands in for all that came before it
     prepare();
   for (std::size_t i = 0; i < past_.size(); ++i)
-    output[i] += past_[i] + static_cast<double>(newest[i]);
+    sum_[i] = past_[i] + static_cast<double>(newest[i]);
+  trust_ = std::min(trustInSum(), trust_ + 1.0 / length_);
+  if (trust_ > 0.0)  // with none, a sum may be infinite
+    for (std::size_t i = 0; i < sum_.size(); ++i)
+      output[i] += trust_ * sum_[i];
 }
 
 }  // namespace patella::network

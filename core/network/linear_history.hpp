@@ -11,6 +11,13 @@ namespace patella::network {
 /// sum over lags of W_lag x(t - lag). One product a step takes the newest features to what they will add at
 /// every lag; these products wait in a ring until their time has come. float32 in every precision of the
 /// network: features have no bound that 16 bits could be laid over. The output's scale is in the weights.
+///
+/// A sum beyond its bound b is of features unlike those of the training: small differences of large inputs
+/// that no longer cancel. It is not believed then, and less the further it lies beyond. With r = max |sum| /
+/// b over the outputs, all sums are multiplied by
+///   trust(t) = min(clamp(2 - r, 0, 1), trust(t - 1) + 1 / longest lag),
+/// which is 1 as long as no bound has been passed, falls at once, and comes back only as the wild features
+/// leave the history. What is said stays within b, since r (2 - r) <= 1.
 class LinearHistory {
  public:
   /// `weights` as checkWeights() accepts them, with lags. Throws std::invalid_argument where an element,
@@ -26,15 +33,19 @@ class LinearHistory {
   void step(const kernel::Functions& functions, const Signal& input, double* output) noexcept;
 
  private:
+  double trustInSum() const noexcept;
   const float* productsOf(int age) const noexcept;
 
   std::vector<int> lags_;
   int outputs_;
-  LinearMap weight_;  ///< rows: lag, output
+  LinearMap weight_;           ///< rows: lag, output
+  std::vector<double> bound_;  ///< per output, physical units
   AlignedFloats zero_;
   int length_;                ///< of the ring, steps
   AlignedFloats products_;    ///< ring of steps x padded rows
   std::vector<double> past_;  ///< per output, of all lags but 0
+  std::vector<double> sum_;   ///< per output, of all lags
+  double trust_ = 1.0;        ///< in the newest sum
   int slot_ = 0;              ///< where the next step goes
   int count_ = 0;             ///< steps in the ring
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 
@@ -46,6 +47,12 @@ void checkScale(const std::string& name, const Eigen::VectorXd& values, Eigen::I
   // A subnormal scale has no finite inverse.
   if ((values.array() < 1e-30).any())
     fail(name + ": " + std::to_string(values.minCoeff()) + ", expected a positive number");
+}
+
+template <typename Tensor>
+void checkNone(const std::string& name, const Tensor& tensor) {
+  if (tensor.size() != 0)
+    fail("tensor '" + name + "': shape " + shapeText(tensor) + ", expected none where linear_lags is empty");
 }
 
 void checkNames(const std::vector<std::string>& names) {
@@ -99,9 +106,10 @@ void checkWeights(const NetworkWeights& weights) {
   checkNumbers("output_mean", weights.output_mean, shape.outputs);
   checkScale("output_scale", weights.output_scale, shape.outputs);
   checkLinearLags(weights.linear_lags);
-  if (weights.linear_lags.empty() && weights.linear_weight.size() != 0)
-    fail("tensor 'linear.weight': shape " + shapeText(weights.linear_weight) +
-         ", expected none where linear_lags is empty");
+  if (weights.linear_lags.empty()) {
+    checkNone("linear.weight", weights.linear_weight);
+    checkNone("linear.bound", weights.linear_bound);
+  }
   visitTensors(weights, shape,
                [](const std::string& name, const auto& tensor, Eigen::Index rows, Eigen::Index cols) {
                  using Tensor = std::decay_t<decltype(tensor)>;
@@ -111,6 +119,9 @@ void checkWeights(const NetworkWeights& weights) {
                  if (!tensor.allFinite())
                    fail("tensor '" + name + "': not finite");
                });
+  if ((weights.linear_bound.array() < std::numeric_limits<float>::min()).any())
+    fail("tensor 'linear.bound': " + std::to_string(weights.linear_bound.minCoeff()) +
+         ", expected positive numbers");
 }
 
 }  // namespace patella::network

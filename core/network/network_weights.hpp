@@ -53,6 +53,9 @@ struct NetworkWeights {
   /// outputs x (lags * inputs), lag after lag: acts beside LSTM and attention on the normalised features of
   /// now and of some steps ago, and is added to the output. No elements where there are no lags.
   WeightMatrix linear_weight;
+  /// outputs, positive, in units of output_scale: as far as that sum may go, see LinearHistory. No elements
+  /// where there are no lags.
+  WeightVector linear_bound;
   std::vector<int> linear_lags;  ///< steps, ascending from 0, below kMaxWindow; empty: no linear path
   int heads = 8;                 ///< divides D
   int window = 64;               ///< steps the newest query sees, itself included
@@ -109,9 +112,11 @@ void visitTensors(Weights& weights, const NetworkShape& shape, Visitor visit) {
   visit(std::string("attention.out_proj.bias"), weights.out_proj_bias, channels, Eigen::Index{1});
   visit(std::string("output.weight"), weights.output_weight, outputs, channels);
   visit(std::string("output.bias"), weights.output_bias, outputs, Eigen::Index{1});
-  if (!weights.linear_lags.empty())
+  if (!weights.linear_lags.empty()) {
     visit(std::string("linear.weight"), weights.linear_weight, outputs,
           static_cast<Eigen::Index>(weights.linear_lags.size()) * inputs);
+    visit(std::string("linear.bound"), weights.linear_bound, outputs, Eigen::Index{1});
+  }
 }
 
 }  // namespace patella::network

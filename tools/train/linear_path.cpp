@@ -10,20 +10,24 @@ namespace {
 
 // Of a sample, in units of normalised features; without validation the first.
 constexpr std::array kRidges = {1e-3, 1e-1, 1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+/// Of the largest that the path says over the trained steps: room for what is a little larger elsewhere.
+constexpr double kBoundMargin = 1.25;
+/// Of the output's scale, where there is nothing linear to say.
+constexpr double kSmallestBound = 1e-6;
 
 /// Sums over the steps of a role.
 struct Moments {
-  Eigen::MatrixXd regressors;  ///< with each other; the last is one
+  Eigen::MatrixXd regressors;  ///< with each other
   Eigen::MatrixXd targets;     ///< with the regressors
   double samples = 0.0;
 };
 
-Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequence> sequences, Role role) {
+/// Calls visit(features of all lags, target), both normalised, for every step of a role.
+template <typename Visit>
+void eachStep(const network::NetworkWeights& weights, std::span<const Sequence> sequences, Role role,
+              Visit visit) {
   const Eigen::Index inputs = weights.feature_mean.size();
-  const auto columns = static_cast<Eigen::Index>(weights.linear_lags.size()) * inputs + 1;
-  Moments sums{.regressors = Eigen::MatrixXd::Zero(columns, columns),
-               .targets = Eigen::MatrixXd::Zero(columns, weights.output_mean.size())};
-  Eigen::VectorXd regressors = Eigen::VectorXd::Ones(columns);
+  Eigen::VectorXd regressors(static_cast<Eigen::Index>(weights.linear_lags.size()) * inputs);
   for (const Sequence& sequence : sequences) {
     const Rows features = scaled(sequence.features, weights.feature_mean, weights.feature_scale);
     const Rows target = scaled(targetOf(sequence, weights.output), weights.output_mean, weights.output_scale);
@@ -36,11 +40,20 @@ Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequen
         regressors.segment(column, inputs) = features.row(std::max<Eigen::Index>(step - lag, 0)).transpose();
         column += inputs;
       }
-      sums.regressors.selfadjointView<Eigen::Lower>().rankUpdate(regressors);
-      sums.targets += regressors * target.row(step);
-      sums.samples += 1.0;
+      visit(regressors, target.row(step));
     }
   }
+}
+
+Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequence> sequences, Role role) {
+  const auto columns = static_cast<Eigen::Index>(weights.linear_lags.size()) * weights.feature_mean.size();
+  Moments sums{.regressors = Eigen::MatrixXd::Zero(columns, columns),
+               .targets = Eigen::MatrixXd::Zero(columns, weights.output_mean.size())};
+  eachStep(weights, sequences, role, [&](const Eigen::VectorXd& regressors, const auto& target) {
+    sums.regressors.selfadjointView<Eigen::Lower>().rankUpdate(regressors);
+    sums.targets += regressors * target;
+    sums.samples += 1.0;
+  });
   sums.regressors = Eigen::MatrixXd(sums.regressors.selfadjointView<Eigen::Lower>());
   return sums;
 }
@@ -73,10 +86,14 @@ void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> s
       best = solution;
     }
   }
-  const Eigen::Index columns = best.rows() - 1;
-  weights.linear_weight = best.topRows(columns).transpose().cast<float>();
-  weights.output_bias = best.row(columns).transpose().cast<float>();
+  weights.linear_weight = best.transpose().cast<float>();
+  Eigen::VectorXd largest = Eigen::VectorXd::Constant(best.cols(), kSmallestBound / kBoundMargin);
+  eachStep(weights, sequences, Role::kTrain, [&](const Eigen::VectorXd& regressors, const auto&) {
+    largest = largest.cwiseMax((best.transpose() * regressors).cwiseAbs());
+  });
+  weights.linear_bound = (kBoundMargin * largest).cast<float>();
   weights.output_weight.setZero();
+  weights.output_bias.setZero();
 }
 
 network::NetworkWeights linearNetwork(std::span<const Sequence> sequences, network::NetworkWeights frame) {

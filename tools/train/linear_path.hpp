@@ -13,9 +13,10 @@ const std::vector<int>& usualLags();
 
 /// Gives linear.weight, for weights.linear_lags as they stand, the ridge regression of the normalised target
 /// on the normalised features of those lags over the trained steps, with the ridge that leaves least on
-/// validation where there is any, output.bias its constant, and output.weight zeros: what the network says is
-/// what is linear, until it has learned more. Past steps are those of the sequence, its first standing in for
-/// what came before it.
+/// validation where there is any, linear.bound a quarter more than the largest that it says over the trained
+/// steps, and output.weight and output.bias zeros: what the network says is what is linear, until it has
+/// learned more. There is no constant: where the path is not believed, the mean of the target is left. Past
+/// steps are those of the sequence, its first standing in for what came before it.
 void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences);
 
 /// A network that says nothing but what its linear path, of the usual lags, does. `frame` as of frameOf().

@@ -37,7 +37,7 @@ double spread(const std::string& name, const NetworkShape& shape) {
   if (name == "attention.in_proj_bias" || name == "attention.out_proj.bias") {
     return 0.0;
   }
-  if (name == "linear.weight") {  // found by fitLinearPath()
+  if (name.starts_with("linear.")) {  // found by fitLinearPath()
     return 0.0;
   }
   return 1.0 / std::sqrt(static_cast<double>(name.starts_with("fc.") ? shape.hidden : shape.channels));
@@ -59,6 +59,10 @@ const torch::Tensor& TorchNetwork::at(const std::string& name) const {
 }
 
 torch::Tensor TorchNetwork::forward(const torch::Tensor& inputs) const {
+  return recurrentPath(inputs) + linearPath(inputs);
+}
+
+torch::Tensor TorchNetwork::recurrentPath(const torch::Tensor& inputs) const {
   const auto layers = static_cast<std::int64_t>(frame_.lstm.size());
   const torch::Tensor start =
       torch::zeros({layers, inputs.size(0), at("lstm.weight_hh_l0").size(1)}, inputs.options());
@@ -74,17 +78,26 @@ torch::Tensor TorchNetwork::forward(const torch::Tensor& inputs) const {
   const torch::Tensor signal = torch::tanh(torch::linear(hidden, at("fc.weight"), at("fc.bias")));
   const torch::Tensor context =
       torch::linear(attend(signal), at("attention.out_proj.weight"), at("attention.out_proj.bias"));
-  const torch::Tensor output = torch::linear(context, at("output.weight"), at("output.bias"));
-  return frame_.linear_lags.empty() ? output : output + linearPath(inputs);
+  return torch::linear(context, at("output.weight"), at("output.bias"));
 }
 
 torch::Tensor TorchNetwork::linearPath(const torch::Tensor& inputs) const {
+  if (frame_.linear_lags.empty()) {
+    return torch::zeros({1}, inputs.options());
+  }
   std::vector<torch::Tensor> past;
   for (const std::int64_t lag : frame_.linear_lags) {
     const torch::Tensor from = torch::arange(-lag, inputs.size(1) - lag).clamp_min(0);
     past.push_back(inputs.index_select(1, from));
   }
-  return torch::linear(torch::cat(past, 2), at("linear.weight"));
+  const torch::Tensor sum = torch::linear(torch::cat(past, 2), at("linear.weight"));
+  // trust(t) = min(now(t), trust(t - 1) + recovery); in double, so that 1 comes out as 1
+  const torch::Tensor beyond = (sum.abs() / at("linear.bound")).amax(-1).to(torch::kFloat64);
+  const torch::Tensor recovered = torch::arange(inputs.size(1), torch::kFloat64) /
+                                  static_cast<double>(std::max(frame_.linear_lags.back(), 1));
+  const torch::Tensor trust =
+      std::get<0>(torch::cummin((2.0 - beyond).clamp(0.0, 1.0) - recovered, 1)) + recovered;
+  return sum * trust.to(sum.scalar_type()).unsqueeze(-1);
 }
 
 // Queries go in blocks of at least a window: rows of a masked softmax do not depend on each other, and a

@@ -24,6 +24,9 @@ class TorchNetwork {
   /// batch x steps x inputs, normalised → batch x steps x outputs, normalised. Attention is causal over the
   /// last `window` steps; every sequence begins without a past.
   torch::Tensor forward(const torch::Tensor& inputs) const;
+  /// The two of which that is the sum: LSTM and attention, and the linear path, zero where there is none.
+  torch::Tensor recurrentPath(const torch::Tensor& inputs) const;
+  torch::Tensor linearPath(const torch::Tensor& inputs) const;
 
   NamedTensors& parameters() noexcept { return parameters_; }
   const NamedTensors& parameters() const noexcept { return parameters_; }
@@ -32,7 +35,6 @@ class TorchNetwork {
 
  private:
   torch::Tensor attend(const torch::Tensor& signal) const;
-  torch::Tensor linearPath(const torch::Tensor& inputs) const;
   const torch::Tensor& at(const std::string& name) const;
 
   network::NetworkWeights frame_;

@@ -71,7 +71,7 @@ class Training {
     for (auto& [name, tensor] : network_.parameters()) {
       // The linear path stays as it was found: steps of one size for all weights blur its small differences
       // of large inputs.
-      tensor.requires_grad_(name != "linear.weight");
+      tensor.requires_grad_(!name.starts_with("linear."));
       kept.emplace_back(name, tensor.detach().clone());
     }
     return {network_.parameters(), kept, Adam(network_.parameters()), {}};

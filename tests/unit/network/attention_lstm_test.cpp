@@ -119,6 +119,7 @@ TEST_CASE("the linear path adds what the equations say, from the first step on")
       CAPTURE(lags.back());
       RandomNetworkOptions options = smallNetwork(1);
       options.shape.outputs = outputs;
+      options.linear_bound = outputs == 1 ? 1e3F : 1.5F;  // passed again and again
       const NetworkWeights without = randomNetwork(options);
       options.linear_lags = lags;
       const NetworkWeights weights = randomNetwork(options);
@@ -130,6 +131,62 @@ TEST_CASE("the linear path adds what the equations say, from the first step on")
     }
 }
 
+TEST_CASE("no features push the linear path beyond its bound, and it comes back as they leave") {
+  RandomNetworkOptions options = smallNetwork(1);
+  options.linear_lags = {0, 2, 3, 40};
+  const NetworkWeights unbounded = randomNetwork(options);
+  Eigen::MatrixXd features = randomFeatures(unbounded, 300, 7);
+  NetworkWeights silent = unbounded;
+  silent.linear_weight.setZero();
+  AttentionLstm free(unbounded);
+  AttentionLstm rest(silent);
+  const Eigen::MatrixXd linear =
+      run(free, features, Pattern::kTwoPhase) - run(rest, features, Pattern::kTwoPhase);
+  NetworkWeights weights = unbounded;
+  weights.linear_bound =
+      (1.01 * linear.cwiseAbs().colwise().maxCoeff().transpose().cwiseQuotient(weights.output_scale))
+          .cast<float>();
+
+  AttentionLstm bounded(weights);
+  free.reset();
+  CHECK(run(bounded, features, Pattern::kTwoPhase) == run(free, features, Pattern::kTwoPhase));
+
+  const Eigen::RowVectorXd bound =
+      weights.linear_bound.cast<double>().cwiseProduct(weights.output_scale).transpose();
+  for (const double wild : {1.0, 30.0, -1e6, 1e35}) {
+    CAPTURE(wild);
+    Eigen::MatrixXd disturbed = features;
+    disturbed(150, 1) += wild * weights.feature_scale[1];
+    bounded.reset();
+    rest.reset();
+    const Eigen::MatrixXd said =
+        run(bounded, disturbed, Pattern::kTwoPhase) - run(rest, disturbed, Pattern::kTwoPhase);
+    CHECK((said.cwiseAbs().rowwise() - bound).maxCoeff() < 1e-6);
+    CHECK((said - linear).topRows(150).isZero(1e-6));
+    CHECK((said - linear).bottomRows(300 - 150 - 81).isZero(1e-6));
+    if (std::abs(wild) > 10.0)
+      CHECK(said.row(150).isZero(0.0));
+  }
+}
+
+TEST_CASE("a feature that overflows the linear path silences it alone") {
+  RandomNetworkOptions options = smallNetwork(1);
+  options.linear_lags = {0, 1};
+  NetworkWeights weights = randomNetwork(options);
+  weights.lstm[0].weight_ih.setZero();
+  weights.linear_weight.setConstant(1e3F);
+  weights.linear_weight.col(1).setConstant(-1e3F);
+  NetworkWeights silent = weights;
+  silent.linear_weight.setZero();
+  Eigen::MatrixXd features = randomFeatures(weights, 10, 7);
+  features.row(4) = (1e37 * weights.feature_scale + weights.feature_mean).transpose();
+  AttentionLstm network(weights);
+  AttentionLstm rest(silent);
+  const Eigen::MatrixXd outputs = run(network, features, Pattern::kTwoPhase);
+  CHECK(outputs.allFinite());
+  CHECK(outputs.middleRows(4, 2) == run(rest, features, Pattern::kTwoPhase).middleRows(4, 2));
+}
+
 TEST_CASE("when prepare() is called, and which variant runs, does not change a bit") {
   for (const Precision precision : {Precision::kFloat32, Precision::kInt16})
     for (const int layers : {1, 2})
@@ -137,8 +194,10 @@ TEST_CASE("when prepare() is called, and which variant runs, does not change a b
         RandomNetworkOptions options;
         options.shape.layers = layers;
         options.heads = heads;
-        if (layers == 2)
+        if (layers == 2) {
           options.linear_lags = {0, 3, 20};
+          options.linear_bound = 0.7F;
+        }
         const NetworkWeights weights = randomNetwork(options);
         const Eigen::MatrixXd features = randomFeatures(weights, 100, 8);
         AttentionLstm widest(weights, {.precision = precision});

@@ -30,8 +30,10 @@ TEST_CASE("int16 stays near float32 on inputs that the check has not seen") {
       RandomNetworkOptions options;
       options.shape.layers = layers;
       options.gain = gain;
-      if (layers == 2)
+      if (layers == 2) {
         options.linear_lags = {0, 1, 9};
+        options.linear_bound = 0.7F;
+      }
       const NetworkWeights weights = randomNetwork(options);
       const Eigen::MatrixXd features = randomFeatures(weights, 2000, 21);
       AttentionLstm exact(weights);

@@ -97,6 +97,25 @@ double linearPath(const NetworkWeights& weights, const std::vector<Vector>& inpu
   return sum;
 }
 
+/// In what the linear path says of a step: falls from 1 to 0 between once and twice its bound.
+double trustIn(const NetworkWeights& weights, const Vector& linear) {
+  double trust = 1.0;
+  for (std::size_t i = 0; i < linear.size() && !weights.linear_lags.empty(); ++i) {
+    const auto bound = static_cast<double>(weights.linear_bound[static_cast<Eigen::Index>(i)]);
+    trust = std::min(trust, std::max(0.0, 2.0 - std::abs(linear[i]) / bound));
+  }
+  return trust;
+}
+
+/// Of the newest step, when what was lost at a step comes back over as many as the longest lag has.
+double recovering(const NetworkWeights& weights, const Vector& trusts) {
+  double trust = 1.0;
+  for (std::size_t age = 0; age < trusts.size() && !weights.linear_lags.empty(); ++age)
+    trust = std::min(trust, trusts[trusts.size() - 1 - age] +
+                                static_cast<double>(age) / std::max(1, weights.linear_lags.back()));
+  return trust;
+}
+
 }  // namespace
 
 Eigen::MatrixXd loopReference(const NetworkWeights& weights, const Eigen::MatrixXd& features) {
@@ -104,6 +123,7 @@ Eigen::MatrixXd loopReference(const NetworkWeights& weights, const Eigen::Matrix
   std::vector<LstmState> states(weights.lstm.size(), {Vector(units, 0.0), Vector(units, 0.0)});
   std::vector<Vector> inputs;
   std::vector<Vector> signal;
+  Vector trusts;
   Eigen::MatrixXd outputs(features.rows(), weights.output_weight.rows());
   for (Eigen::Index step = 0; step < features.rows(); ++step) {
     Vector value;
@@ -121,10 +141,16 @@ Eigen::MatrixXd loopReference(const NetworkWeights& weights, const Eigen::Matrix
     const Vector attended = affine(weights.out_proj_weight, weights.out_proj_bias,
                                    context(weights, signal, static_cast<std::size_t>(step)));
     const Vector result = affine(weights.output_weight, weights.output_bias, attended);
+    Vector linear;
     for (Eigen::Index i = 0; i < outputs.cols(); ++i)
-      outputs(step, i) =
-          (result[static_cast<std::size_t>(i)] + linearPath(weights, inputs, i)) * weights.output_scale[i] +
-          weights.output_mean[i];
+      linear.push_back(linearPath(weights, inputs, i));
+    trusts.push_back(trustIn(weights, linear));
+    for (std::size_t i = 0; i < linear.size(); ++i) {
+      const auto joint = static_cast<Eigen::Index>(i);
+      outputs(step, joint) =
+          (result[i] + recovering(weights, trusts) * linear[i]) * weights.output_scale[joint] +
+          weights.output_mean[joint];
+    }
   }
   return outputs;
 }

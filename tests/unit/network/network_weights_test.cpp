@@ -81,6 +81,18 @@ TEST_CASE("a linear path whose lags and tensor do not fit is refused by name") {
         "tensor 'linear.weight': not finite");
   CHECK(refusal([](NetworkWeights& w) { w.linear_lags.clear(); }) ==
         "tensor 'linear.weight': shape [2,10], expected none where linear_lags is empty");
+  CHECK(refusal([](NetworkWeights& w) {
+          w.linear_lags.clear();
+          w.linear_weight.resize(0, 0);
+        }) == "tensor 'linear.bound': shape [2], expected none where linear_lags is empty");
+  CHECK(refusal([](NetworkWeights& w) { w.linear_bound.resize(0); }) ==
+        "tensor 'linear.bound': shape [0], expected [2]");
+  for (const float bound : {0.0F, -2.0F, 1e-40F}) {
+    CHECK(refusal([&](NetworkWeights& w) { w.linear_bound[1] = bound; }) ==
+          "tensor 'linear.bound': " + std::to_string(bound) + ", expected positive numbers");
+  }
+  CHECK(refusal([](NetworkWeights& w) { w.linear_bound[0] = std::numeric_limits<float>::quiet_NaN(); }) ==
+        "tensor 'linear.bound': not finite");
   CHECK(refusal([](NetworkWeights& w) { w.linear_lags = {1, 4}; }) == "linear_lags: 1 first, expected 0");
   CHECK(refusal([](NetworkWeights& w) {
           w.linear_lags = {0, 0};

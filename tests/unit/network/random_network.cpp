@@ -32,6 +32,7 @@ NetworkWeights randomNetwork(const RandomNetworkOptions& options) {
                  tensor = std::decay_t<decltype(tensor)>::NullaryExpr(
                      rows, cols, [&] { return static_cast<float>(options.gain * bound * uniform(random)); });
                });
+  weights.linear_bound.setConstant(options.linear_bound);
   return weights;
 }
 

@@ -14,7 +14,8 @@ struct RandomNetworkOptions {
   int window = 64;
   AttentionScale attention_scale = AttentionScale::kInvSqrt;
   std::vector<int> linear_lags{};
-  double gain = 1.0;  ///< of PyTorch's default initialisation
+  float linear_bound = 1e3F;  ///< as it stands: never reached
+  double gain = 1.0;          ///< of PyTorch's default initialisation
   unsigned seed = 1;
 };
 

@@ -45,6 +45,7 @@ struct Model : torch::nn::Module {
     if (!weights.linear_lags.empty()) {
       const auto lags = static_cast<std::int64_t>(weights.linear_lags.size());
       linear = torch::nn::Linear(torch::nn::LinearOptions(lags * shape.inputs, shape.outputs).bias(false));
+      linear->register_buffer("bound", torch::zeros(shape.outputs));
       register_module("linear", linear);
     }
   }
@@ -61,8 +62,9 @@ Model makeModel(const NetworkWeights& weights, torch::ScalarType type) {
   Model model(weights, shape);
   model.to(type);
   auto parameters = model.named_parameters();
+  auto buffers = model.named_buffers();
   visitTensors(weights, shape, [&](const std::string& name, const auto& tensor, Eigen::Index, Eigen::Index) {
-    parameters[name].copy_(tensorOf(tensor, type));
+    (buffers.contains(name) ? buffers : parameters)[name].copy_(tensorOf(tensor, type));
   });
   if (weights.attention_scale == AttentionScale::kNone) {
     const double undo = std::sqrt(static_cast<double>(shape.channels) / weights.heads);
@@ -101,6 +103,16 @@ torch::Tensor history(const torch::Tensor& input, const std::vector<int>& lags) 
   return torch::cat(columns, 1);
 }
 
+/// What is said of it (steps x outputs), by the recursion written out: beyond the bound, trust is lost.
+torch::Tensor believed(const torch::Tensor& sum, const torch::Tensor& bound, int longest_lag) {
+  const torch::Tensor now = (2 - (sum.abs() / bound).amax(1)).clamp(0, 1).to(torch::kFloat64).contiguous();
+  torch::Tensor trust = torch::ones_like(now);
+  double newest = 1.0;
+  for (std::int64_t step = 0; step < now.size(0); ++step)
+    trust[step] = newest = std::min(now[step].item<double>(), newest + 1.0 / longest_lag);
+  return sum * trust.to(sum.scalar_type()).unsqueeze(1);
+}
+
 }  // namespace
 
 Eigen::MatrixXd torchReference(const NetworkWeights& weights, const Eigen::MatrixXd& features,
@@ -118,7 +130,8 @@ Eigen::MatrixXd torchReference(const NetworkWeights& weights, const Eigen::Matri
   const torch::Tensor signal = torch::tanh(model.fc->forward(recurrent));
   torch::Tensor result = model.output->forward(windowedAttention(model, signal, weights.window));
   if (!weights.linear_lags.empty())
-    result = result + model.linear->forward(history(input.squeeze(0), weights.linear_lags));
+    result = result + believed(model.linear->forward(history(input.squeeze(0), weights.linear_lags)),
+                               model.linear->named_buffers()["bound"], weights.linear_lags.back());
   result = result.to(torch::kFloat64).contiguous();
 
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(

@@ -74,13 +74,16 @@ TEST_CASE("streaming equals torch for sizes that fill no panel, another window a
   compare(options);
 }
 
-TEST_CASE("streaming equals torch with a linear path beside the rest") {
+TEST_CASE("streaming equals torch with a linear path beside the rest, within its bound and beyond") {
   RandomNetworkOptions options;
   options.shape = {.inputs = 18, .hidden = 48, .layers = 1, .channels = 32, .outputs = 2};
   options.heads = 4;
   options.window = 32;
   options.linear_lags = {0, 1, 2, 3, 5, 8, 12, 18, 26, 36};
-  compare(options);
+  for (const float bound : {1e3F, 0.5F}) {
+    options.linear_bound = bound;
+    compare(options);
+  }
 }
 
 }  // namespace patella::network

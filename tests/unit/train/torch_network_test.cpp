@@ -6,6 +6,7 @@
 #include "core/network/attention_lstm.hpp"
 #include "made_up.hpp"
 #include "tools/train/linear_path.hpp"
+#include "tools/train/split.hpp"
 
 using namespace patella;
 using namespace patella::train;
@@ -72,6 +73,22 @@ TEST_CASE("what is linear in the past is found before the first pass, and is all
   const network::NetworkWeights alone = linearNetwork(sequences, madeUpFrame(sequences));
   const Rows outputs = streamed(alone, sequences[1].features);
   CHECK((outputs - sequences[1].reference).bottomRows(350).cwiseAbs().maxCoeff() < 0.05);
+
+  // The bound lies a little beyond what was said of trained steps.
+  const auto at = [&](float factor) {
+    network::NetworkWeights changed = alone;
+    changed.linear_bound *= factor;
+    bool same = true;
+    for (const Sequence& sequence : sequences) {
+      if (countOf({&sequence, 1}, Role::kTrain) > 0) {
+        same = same && streamed(changed, sequence.features) == streamed(alone, sequence.features);
+      }
+    }
+    return same;
+  };
+  CHECK(at(1e6F));
+  CHECK(at(0.81F));
+  CHECK_FALSE(at(0.79F));
 
   network::NetworkWeights beside = madeUpFrame(sequences);
   beside.linear_lags = usualLags();

@@ -176,6 +176,18 @@ TEST_CASE("a linear path needs its tensor and its lags") {
   CHECK(spoilt([](Safetensors& f) {
           f.tensors["linear.weight"].values[3] = std::nanf("");
         }).starts_with("file: tensor 'linear.weight'"));
+  CHECK(spoilt([](Safetensors& f) { f.tensors.erase("linear.bound"); }) ==
+        "file: tensor 'linear.bound': missing");
+  CHECK(spoilt([](Safetensors& f) {
+          f.tensors["linear.bound"].shape = {2, 1};
+        }) == "file: tensor 'linear.bound': shape [2,1], expected [2]");
+  CHECK(spoilt([](Safetensors& f) { f.tensors["linear.bound"].values[1] = -0.5F; }) ==
+        "file: tensor 'linear.bound': -0.500000, expected positive numbers");
+  CHECK(spoilt([](Safetensors& f) { f.tensors["linear.bound"].values[0] = std::nanf(""); }) ==
+        "file: tensor 'linear.bound': element 0 is not a finite float32");
+  CHECK(refusal([](Safetensors& f) {
+          f.tensors["linear.bound"] = {{2}, {1.0F, 1.0F}};
+        }) == "file: tensor 'linear.bound': shape [2], no such tensor expected");
   CHECK(lags("0,3,5") == "file: tensor 'linear.weight': shape [2,10], expected [2,15]");
   CHECK(lags("") == "file: metadata 'linear_lags': '', expected integers, separated by commas");
   CHECK(lags("0 3") == "file: metadata 'linear_lags': '0 3', expected integers, separated by commas");

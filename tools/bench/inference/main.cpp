@@ -43,6 +43,7 @@ struct Field {
 network::NetworkWeights withLinearPath(network::NetworkWeights weights) {
   weights.linear_lags = {0, 1, 2, 3, 5, 8, 12, 18, 26, 36};
   weights.linear_weight = network::WeightMatrix::Constant(kOutputs, 10 * kInputs, 0.1F);
+  weights.linear_bound = network::WeightVector::Constant(kOutputs, 10.0F);
   return weights;
 }
 
