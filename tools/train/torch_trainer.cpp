@@ -22,7 +22,7 @@ constexpr double kLastRate = 0.01;  // of the first
 /// A sequence as the network works on it.
 struct Prepared {
   torch::Tensor input;     ///< steps x features, normalised
-  torch::Tensor target;    ///< steps x outputs, normalised
+  torch::Tensor target;    ///< steps x outputs, normalised, less the linear path, which is not trained
   torch::Tensor train;     ///< steps, 1 where it is trained on
   torch::Tensor validate;  ///< likewise
 };
@@ -52,9 +52,11 @@ class Training {
     network::NetworkWeights of_target;
     of_target.feature_mean = frame.output_mean;
     of_target.feature_scale = frame.output_scale;
+    const torch::NoGradGuard no_gradients;
     for (const Sequence& sequence : sequences) {
-      prepared_.push_back({normalised(sequence.features, frame_),
-                           normalised(targetOf(sequence, frame.output), of_target),
+      const torch::Tensor input = normalised(sequence.features, frame_);
+      const torch::Tensor linear = network_.linearPath(input.unsqueeze(0)).squeeze(0);
+      prepared_.push_back({input, normalised(targetOf(sequence, frame.output), of_target) - linear,
                            maskOf(sequence.role, Role::kTrain), maskOf(sequence.role, Role::kValidation)});
     }
     std::vector<Window> whole;
@@ -90,7 +92,8 @@ class Training {
       const auto drawn = std::span(windows).subspan(first, std::min(size, windows.size() - first));
       const Batch batch = batchOf(drawn, &Prepared::train);
       const double weight = batch.weight.sum().item<double>();
-      const torch::Tensor loss = lossOf(network_.forward(batch.input), batch.target, batch.weight) / weight;
+      const torch::Tensor loss =
+          lossOf(network_.recurrentPath(batch.input), batch.target, batch.weight) / weight;
       loss.backward();
       const double done =
           (static_cast<double>(number) + static_cast<double>(first) / static_cast<double>(windows.size())) /
@@ -190,14 +193,14 @@ class Training {
       return std::numeric_limits<double>::quiet_NaN();
     }
     const torch::Tensor loss =
-        lossOf(network_.forward(validation_.input), validation_.target, validation_.weight);
+        lossOf(network_.recurrentPath(validation_.input), validation_.target, validation_.weight);
     return loss.item<double>() / validation_.weight.sum().item<double>();
   }
 
   /// Of each sequence by itself.
   torch::Tensor validationLosses(const TorchNetwork& network) const {
     const torch::NoGradGuard no_gradients;
-    const torch::Tensor error = network.forward(validation_.input) - validation_.target;
+    const torch::Tensor error = network.recurrentPath(validation_.input) - validation_.target;
     const torch::Tensor losses = (options_.loss == Loss::kSquared ? error.square() : error.abs()).mean(-1);
     return (losses * validation_.weight).sum(-1) / validation_.weight.sum(-1);
   }

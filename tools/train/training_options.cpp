@@ -38,9 +38,6 @@ const TrainingOptions& checked(const TrainingOptions& o) {
   require(o.batch >= 1, "batch", o.batch, "at least 1");
   require(o.burn_in >= 0, "burn_in", o.burn_in, "0 or more");
   network::checkLinearLags(o.linear_lags);
-  require(o.linear_lags.empty() || o.linear_lags.back() <= o.burn_in, "linear_lags",
-          o.linear_lags.empty() ? 0 : o.linear_lags.back(),
-          "at most the " + std::to_string(o.burn_in) + " steps of the burn-in");
   require(o.sequence_steps > o.burn_in, "sequence_steps", o.sequence_steps, "more than those of the burn-in");
   require(o.learning_rate > 0.0 && o.learning_rate < 1.0, "learning_rate", o.learning_rate,
           "above 0 and below 1");

@@ -120,11 +120,6 @@ TEST_CASE("options out of range are refused by name") {
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
                        "heads: value 3, expected a divisor of the 8 channels", std::invalid_argument);
   options = smallTraining();
-  options.linear_lags = {0, 13};
-  CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
-                       "linear_lags: value 13, expected at most the 12 steps of the burn-in",
-                       std::invalid_argument);
-  options = smallTraining();
   options.sequence_steps = options.burn_in;
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
                        "sequence_steps: value 12, expected more than those of the burn-in",
