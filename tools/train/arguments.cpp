@@ -1,5 +1,6 @@
 #include "tools/train/arguments.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <stdexcept>
@@ -86,10 +87,10 @@ void declareNetwork(CLI::App& app, Arguments& a) {
   app.add_option("--channels", t.channels, "of queries, keys and values together")->capture_default_str();
   app.add_option("--heads", t.heads, "a divisor of the channels")->capture_default_str();
   app.add_option("--window", t.window, "steps that attention sees; 1: no attention")->capture_default_str();
-  app.add_option(
-         "--linear-lags", a.linear_lags,
-         "steps ago, separated by commas, whose features act on the output directly, without bound; usual: " +
-             fmt::format("{}", fmt::join(usualLags(), ",")))
+  app.add_option("--linear-lags", a.linear_lags,
+                 "steps ago, separated by commas, whose features act on the output directly; none; usual: " +
+                     fmt::format("{}", fmt::join(usualLags(), ",")) +
+                     ". Unless given: none where time is a feature")
       ->delimiter(',');
   app.add_option("--attention-scale", a.attention_scale,
                  "of the scores: 1/sqrt(channels/heads), or none as printed")
@@ -123,9 +124,19 @@ void declareTraining(CLI::App& app, Arguments& a) {
   app.add_option("--threads", t.threads, "the same number gives the same file")->capture_default_str();
 }
 
+/// Time that grows for ever leaves the range that was learned, and a line through it all the more.
+bool knowsTime(const std::vector<std::string>& features) {
+  return std::any_of(features.begin(), features.end(),
+                     [](const std::string& name) { return name == "paper" || name == "time_s"; });
+}
+
 std::vector<int> lagsOf(const Arguments& a) {
-  if (a.linear_lags == std::vector<std::string>{"usual"}) {
+  const auto word = [&](const char* text) { return a.linear_lags == std::vector<std::string>{text}; };
+  if (word("usual") || (a.linear_lags.empty() && !knowsTime(a.features))) {
     return usualLags();
+  }
+  if (word("none")) {
+    return {};
   }
   std::vector<int> lags;
   for (const std::string& text : a.linear_lags) {
@@ -133,7 +144,8 @@ std::vector<int> lagsOf(const Arguments& a) {
     const char* end = text.data() + text.size();
     const auto [stopped, error] = std::from_chars(text.data(), end, lag);
     if (error != std::errc() || stopped != end) {
-      throw std::invalid_argument("linear_lags: value '" + text + "', expected steps, or usual alone");
+      throw std::invalid_argument("linear_lags: value '" + text +
+                                  "', expected steps, or usual or none alone");
     }
     lags.push_back(lag);
   }

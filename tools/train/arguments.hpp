@@ -32,7 +32,7 @@ struct Arguments {
   std::string split_name = "blocked";
   SplitOptions split;
   std::string attention_scale = "inv_sqrt";
-  std::vector<std::string> linear_lags;  ///< numbers, or "usual" alone; empty: no linear path
+  std::vector<std::string> linear_lags;  ///< numbers, or a word; empty: as the features suggest
   std::string initialisation = "pytorch";
   std::string loss = "squared";
   std::string stopping = "validation";

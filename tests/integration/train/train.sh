@@ -42,6 +42,16 @@ grep -q 'the network was trained on it' "$folder/refusal.txt" || fail "refused f
   --out "$folder/loop" >"$folder/loop.txt"
 grep -q 'estimate| of the network' "$folder/loop.txt" || fail "the loop shows no estimate of the network"
 grep -q 'heap operations 0' "$folder/loop.txt" || fail "the loop touched the heap"
+lags() {
+  rm -f "$folder/lags.safetensors"
+  "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/lags.safetensors" --split recording \
+    --validation-share 0 --test-share 0 --rate-Hz 50 --hidden 4 --channels 4 --heads 1 --epochs 1 --sequence-steps 96 "$@" >/dev/null
+  head -c 8000 "$folder/lags.safetensors" | tr -d '\\' | grep -ao '"linear_lags":"[0-9,]*"' || echo none
+}
+[ "$(lags)" = '"linear_lags":"0,1,2,3,5,8,12,18,26,36"' ] || fail "no linear path unless told otherwise: $(lags)"
+[ "$(lags --linear-lags none)" = none ] || fail "a linear path against --linear-lags none"
+[ "$(lags --features paper)" = none ] || fail "a linear path through time"
+
 if "$train" fit --config "$config" --data "$folder/run1" --heads 3 --out "$folder/x.safetensors" 2>"$folder/wrong.txt"; then
   fail "a wrong argument was taken"
 fi
