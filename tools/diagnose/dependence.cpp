@@ -8,6 +8,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
+#include "tools/diagnose/second_look.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -237,37 +238,52 @@ double surprise(double gain, int dimensions) {
   return tail > kLeast ? -std::log(tail) : -std::log(kLeast) + gain;
 }
 
+/// A p by the noise of the fit up to which it pays to look again.
+constexpr double kWorthASecondLook = 0.1;
+
 }  // namespace
 
 DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                               int replicates, double family_wise_p, std::uint64_t seed) {
   const std::vector<Variable> all = variables(data, channels);
   const Atoms atoms = functionAtoms(data, all);
+  const Eigen::MatrixXd takes_up = nuisance(data);
   const Screening screening(
       data, fit, atoms.items, atoms.columns,
-      {.replicates = replicates, .seed = seed, .nuisance = nuisance(data), .goes_with_motion = true});
+      {.replicates = replicates, .seed = seed, .nuisance = takes_up, .goes_with_motion = true});
   const std::vector<double> chance = screening.chance(surprise);
   DependenceTest test;
   std::vector<std::pair<double, Dependence>> ranked;
-  for (const Screened& screened : screening.results()) {
+  const auto add = [&](const Screened& screened, double p_value) {
     const Atom& atom = atoms.items[screened.atom];
-    const double value = surprise(screened.gain, screened.dimensions);
-    const double p_value = exceedance(chance, value);
-    if (p_value >= family_wise_p) {
-      continue;
-    }
     const double beyond_chance =
         std::max(0.0, screened.gain - screened.dimensions) * screened.raw_gain / screened.gain;
     const double share = beyond_chance / static_cast<double>(data.rows());
     const double rms_Nm =
         std::sqrt(fit.residual.segment(atom.joint * data.rows(), data.rows()).squaredNorm() /
                   static_cast<double>(data.rows()));
-    ranked.push_back({value,
+    ranked.push_back({surprise(screened.gain, screened.dimensions),
                       {.joint = atom.joint,
                        .variable = atom.label,
                        .explained_Nm = rms_Nm * std::sqrt(std::min(1.0, share)),
                        .p_value = p_value}});
     test.largest_gain = std::max(test.largest_gain, screened.gain - screened.dimensions);
+  };
+  double least_p = 1.0;  // of what a second look is for
+  for (const Screened& screened : screening.results()) {
+    const double p_value = exceedance(chance, surprise(screened.gain, screened.dimensions));
+    if (screened.c.size() <= kColumnsOfSecondLook) {
+      least_p = std::min(least_p, p_value);
+    }
+    if (p_value < family_wise_p) {
+      add(screened, p_value);
+    }
+  }
+  if (ranked.empty() && least_p < kWorthASecondLook) {
+    const SecondLook again = lookAgain(data, fit, atoms, takes_up, screening, surprise, replicates, seed + 1);
+    if (again.p_value < family_wise_p) {
+      add(again.screened, again.p_value);
+    }
   }
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -78,6 +78,28 @@ Eigen::VectorXd Autoregression::innovations(const Dataset& data,
   return result;
 }
 
+Eigen::VectorXd Autoregression::transposed(const Dataset& data, const Eigen::VectorXd& innovations) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(data.rows() * data.joints());
+  Eigen::Index at = 0;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
+    for (const Block& block : data.blocks()) {
+      const Eigen::Index count = block.end - block.first - order;
+      if (count <= 0) {
+        continue;
+      }
+      const Eigen::Index first = joint * data.rows() + block.first + order;
+      const auto in = innovations.segment(at, count);
+      result.segment(first, count) += in;
+      for (int k = 0; k < order; ++k) {
+        result.segment(first - 1 - k, count) -= a[k] * in;
+      }
+      at += count;
+    }
+  }
+  return result;
+}
+
 Weighting::Weighting(const Dataset& data, const Eigen::VectorXd& residual)
     : data_(&data),
       filter_(Autoregression::fit(data, residual, kWeightingOrder, kWeightingWhiteShare)),
@@ -116,6 +138,22 @@ Eigen::MatrixXd Weighting::apply(const Eigen::Ref<const Eigen::MatrixXd>& column
         out += inverse_root_(row, joint) * weighted.segment(joint * rows_, rows_);
       }
     }
+  }
+  return result;
+}
+
+Eigen::MatrixXd Weighting::transposed(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const {
+  const int joints = data_->joints();
+  Eigen::MatrixXd result(data_->rows() * joints, weighted.cols());
+  for (Eigen::Index c = 0; c < weighted.cols(); ++c) {
+    Eigen::VectorXd unscaled = Eigen::VectorXd::Zero(rows_ * joints);
+    for (int row = 0; row < joints; ++row) {
+      for (int joint = 0; joint <= row; ++joint) {
+        unscaled.segment(joint * rows_, rows_) +=
+            inverse_root_(row, joint) * weighted.col(c).segment(row * rows_, rows_);
+      }
+    }
+    result.col(c) = filter_.transposed(*data_, unscaled);
   }
   return result;
 }
@@ -169,6 +207,29 @@ Eigen::VectorXd NoiseProcess::draw(std::mt19937_64& random) const {
     }
   }
   return result;
+}
+
+double NoiseProcess::variance(const Eigen::Ref<const Eigen::VectorXd>& column) const {
+  const int joints = data_->joints();
+  const Eigen::MatrixXd covariance =
+      innovations_.transpose() * innovations_ / static_cast<double>(innovations_.rows());
+  double sum = 0.0;
+  for (const Block& block : data_->blocks()) {
+    // What an innovation adds to the product from its time on: the recursion of draw(), backwards.
+    const Eigen::Index count = block.end - block.first;
+    Eigen::MatrixXd adds = Eigen::MatrixXd::Zero(kBurnIn + count + process_.order, joints);
+    for (Eigen::Index t = kBurnIn + count - 1; t >= 0; --t) {
+      for (int joint = 0; joint < joints; ++joint) {
+        const Eigen::VectorXd& a = process_.coefficients[static_cast<std::size_t>(joint)];
+        adds(t, joint) = t >= kBurnIn ? column[joint * data_->rows() + block.first + t - kBurnIn] : 0.0;
+        for (int k = 0; k < process_.order; ++k) {
+          adds(t, joint) += a[k] * adds(t + 1 + k, joint);
+        }
+      }
+    }
+    sum += (adds * covariance).cwiseProduct(adds).sum();
+  }
+  return sum;
 }
 
 }  // namespace patella::diagnose

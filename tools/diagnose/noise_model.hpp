@@ -28,6 +28,8 @@ struct Autoregression {
   Eigen::Index rows(const Dataset& data) const;
   /// Innovations of a column, one joint after the other.
   Eigen::VectorXd innovations(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column) const;
+  /// The transposed map, of rows as innovations() gives them to a Column.
+  Eigen::VectorXd transposed(const Dataset& data, const Eigen::VectorXd& innovations) const;
 };
 
 /// Filter and scale under which squared errors are summed.
@@ -42,6 +44,8 @@ class Weighting {
   Eigen::Index rows() const noexcept { return rows_; }
   /// Columns in units of the residual's weighted standard deviation, the joints' correlation taken out.
   Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  /// The transposed map, back to Columns.
+  Eigen::MatrixXd transposed(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const;
   /// rows · log det of the weighted residual's covariance: what a fit makes small.
   double objective(const Eigen::VectorXd& residual) const;
 
@@ -63,6 +67,8 @@ class NoiseProcess {
   int order() const noexcept { return process_.order; }
   /// Innovations drawn with replacement, the joints together, run through the autoregression.
   Eigen::VectorXd draw(std::mt19937_64& random) const;
+  /// Of the product of a Column with a draw.
+  double variance(const Eigen::Ref<const Eigen::VectorXd>& column) const;
 
  private:
   const Dataset* data_;

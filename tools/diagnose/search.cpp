@@ -131,6 +131,10 @@ constexpr int kMostTries = 80;
 
 }  // namespace
 
+double withMotion(const ScreenedGroup& group, double unit) {
+  return std::clamp(group.seen_in_time, unit, kMostByMotion * unit);
+}
+
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes) {
   Atoms atoms;
   std::vector<Eigen::MatrixXd> parts;
@@ -213,21 +217,29 @@ void Screening::drawChance(const Dataset& data, const ModelFit& fit, const Scree
   draws -= explained_ * (explained_.transpose() * draws);
   products_ = basis_.transpose() * draws.cast<float>();
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    Group& group = groups_[g];
+    ScreenedGroup& group = groups_[g];
     if (group.count > 0) {
       group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
                    static_cast<double>(group.count * products_.cols());
-      results_[g].gain =
-          results_[g].raw_gain / std::clamp(group.seen_in_time, group.unit, kMostByMotion * group.unit);
+      results_[g].gain = results_[g].raw_gain / withMotion(group, group.unit);
     }
   }
+}
+
+Eigen::MatrixXd Screening::basis(std::size_t atom) const {
+  const ScreenedGroup& group = groups_[atom];
+  return basis_.middleCols(group.first, group.count).cast<double>();
+}
+
+Eigen::VectorXf Screening::products(const Eigen::VectorXd& rows) const {
+  return basis_.transpose() * rows.cast<float>();  // the basis has nothing of what the fit explains
 }
 
 std::vector<double> Screening::chance(const Statistic& statistic) const {
   std::vector<double> largest(static_cast<std::size_t>(products_.cols()),
                               -std::numeric_limits<double>::infinity());
   for (Eigen::Index r = 0; r < products_.cols(); ++r) {
-    for (const Group& group : groups_) {
+    for (const ScreenedGroup& group : groups_) {
       if (group.count == 0 || (group.one_sided && products_(group.first, r) < 0.0F)) {
         continue;
       }

@@ -44,6 +44,19 @@ struct ScreeningOptions {
   bool goes_with_motion = false;
 };
 
+/// How chance treats an atom.
+struct ScreenedGroup {
+  Eigen::Index first = 0;  ///< column in the basis of all atoms
+  Eigen::Index count = 0;
+  int dimensions = 0;
+  bool one_sided = false;
+  double unit = 1.0;          ///< mean square that chance brings a column
+  double seen_in_time = 0.0;  ///< the same from the recording itself; see ScreeningOptions
+};
+
+/// Mean square that chance brings a column of a recording's own residual, where it brings draws `unit`.
+double withMotion(const ScreenedGroup& group, double unit);
+
 /// Tests atoms on what a fit leaves. What counts as much is not a sum of squares but how it compares with the
 /// same sum in residuals drawn from the fit's noise: drawn, filtered and projected like the recording itself.
 class Screening {
@@ -59,22 +72,20 @@ class Screening {
   /// drawn from their tolerance. One value a replicate.
   std::vector<double> chance(const Statistic& statistic) const;
 
- private:
-  struct Group {
-    Eigen::Index first = 0;  ///< in products_
-    Eigen::Index count = 0;
-    int dimensions = 0;
-    bool one_sided = false;
-    double unit = 1.0;          ///< mean square that chance brings a column
-    double seen_in_time = 0.0;  ///< the same from the recording itself; see ScreeningOptions
-  };
+  /// Of each atom.
+  const std::vector<ScreenedGroup>& groups() const noexcept { return groups_; }
+  /// Orthonormal columns of an atom: weighted rows, the fit's share taken out, and the priors' rows below.
+  Eigen::MatrixXd basis(std::size_t atom) const;
+  /// Products of all atoms' bases with rows like those.
+  Eigen::VectorXf products(const Eigen::VectorXd& rows) const;
 
+ private:
   void drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options);
 
   Eigen::MatrixXd explained_;  ///< orthonormal basis of the tangent, weighted, with the priors' rows below
   Eigen::MatrixXf basis_;      ///< of the atoms, orthonormal within each group
   Eigen::MatrixXf products_;   ///< of the basis with the draws
-  std::vector<Group> groups_;
+  std::vector<ScreenedGroup> groups_;
   std::vector<Screened> results_;
 };
 

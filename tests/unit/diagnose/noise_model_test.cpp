@@ -71,3 +71,27 @@ TEST_CASE(
   CHECK(weighting.objective(noise) - weighting.objective(0.5 * noise) ==
         doctest::Approx(static_cast<double>(weighting.rows()) * std::log(4.0)));
 }
+
+TEST_CASE("a product with draws has the variance that the process says") {
+  const Recording recording = swing(20.0);
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const NoiseProcess process(data, firstOrder(data.rows(), 0.9, 11));
+  const Eigen::VectorXd column = data.time_s().array().sin().matrix();
+  std::mt19937_64 random(13);
+  double square = 0.0;
+  constexpr int kDraws = 2000;
+  for (int i = 0; i < kDraws; ++i) {
+    square += std::pow(column.dot(process.draw(random)), 2) / kDraws;
+  }
+  CHECK(process.variance(column) == doctest::Approx(square).epsilon(0.1));
+}
+
+TEST_CASE("a product of a weighted residual is that of the residual with what the transposed map gives") {
+  const Recording recording = swing(60.0);
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const Eigen::VectorXd noise = firstOrder(data.rows(), 0.7, 9);
+  const Weighting weighting(data, noise);
+  const Eigen::MatrixXd weights = firstOrder(weighting.rows(), 0.2, 10);
+  CHECK(weights.col(0).dot(weighting.apply(noise).col(0)) ==
+        doctest::Approx(weighting.transposed(weights).col(0).dot(noise)));
+}

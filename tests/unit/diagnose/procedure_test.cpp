@@ -127,6 +127,17 @@ TEST_CASE("a spring over two joints and one that hardens are unknown, by their v
   CHECK(hardening.unexplained.front().variable == "q1");
 }
 
+TEST_CASE("a coupling that is most of what is left does not pass for noise because the noise holds it") {
+  const Case drawn =
+      drawCase(107000097, Suite::kUnknown,
+               {.effect = "biarticular_spring", .mechanism = "adult_leg", .motion = "multisine"});
+  const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+  CHECK(diagnosis.verdict == diagnose::Verdict::kUnknownEffect);
+  REQUIRE(!diagnosis.unexplained.empty());
+  CHECK(diagnosis.unexplained.front().joint == 0);
+  CHECK(diagnosis.unexplained.front().variable == "q2");
+}
+
 TEST_CASE("wrong masses are no effect") {
   for (const std::uint64_t seed : {3000001, 94000007, 94000100}) {
     CAPTURE(seed);
