@@ -25,13 +25,17 @@ class Looker {
          const Screening& screening, const Screening::Statistic& statistic)
       : data_(data), fit_(fit), atoms_(atoms), screening_(screening), statistic_(statistic) {
     free_.resize(fit.tangent.rows(), fit.tangent.cols() + nuisance.cols());
-    free_ << fit.tangent, nuisance;
+    free_.leftCols(fit.tangent.cols()) = fit.tangent;
+    free_.rightCols(nuisance.cols()) = nuisance;
     weighted_free_ = fit.weighting->apply(free_);
   }
 
-  struct Look {
+  struct Choice {
     std::size_t atom = 0;
     double raw_gain = 0.0;
+  };
+  struct Look {
+    Choice best;
     double unit = 1.0;  ///< mean square that the noise left brings a column of the atom
   };
 
@@ -39,33 +43,32 @@ class Looker {
   Look at(const Eigen::VectorXd& residual, const Eigen::VectorXd& prior) {
     Eigen::VectorXd rows(weighted_free_.rows() + prior.size());
     rows << fit_.weighting->apply(residual), prior;
-    const Look best = mostSurprising(rows);
-    Shape& shape = shapeOf(best.atom);
+    const Choice best = mostSurprising(rows);
+    const Shape& shape = shapeOf(best.atom);
     const NoiseProcess left(data_, residual - shape.all * shape.solver.solve(rows));
     double unit = 0.0;
     for (Eigen::Index k = 0; k < shape.unweighted.cols(); ++k) {
       unit += left.variance(shape.unweighted.col(k)) +
               std::pow(fit_.prior_scale, 2) * shape.prior.col(k).squaredNorm();
     }
-    return {.atom = best.atom,
-            .raw_gain = best.raw_gain,
-            .unit = unit / static_cast<double>(shape.unweighted.cols())};
+    return {.best = best, .unit = unit / static_cast<double>(shape.unweighted.cols())};
   }
 
  private:
   /// What looking at one atom takes, worked out once.
   struct Shape {
-    Eigen::MatrixXd all;  ///< whatever may take up something: free parameters, nuisance, the atom
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>
-        solver;  ///< of the same, weighted, with the priors' rows
-    Eigen::MatrixXd
-        unweighted;  ///< the atom's basis, so that its product with a residual is that of the weighted ones
+    /// Whatever may take up something: free parameters, nuisance, the atom.
+    Eigen::MatrixXd all;
+    /// Of the same, weighted, with the priors' rows below.
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    /// The atom's basis: columns whose products with a residual are those of the weighted ones.
+    Eigen::MatrixXd unweighted;
     Eigen::MatrixXd prior;  ///< the basis' rows of the priors
   };
 
-  Look mostSurprising(const Eigen::VectorXd& rows) const {
+  Choice mostSurprising(const Eigen::VectorXd& rows) const {
     const Eigen::VectorXf products = screening_.products(rows);
-    Look best;
+    Choice best;
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t atom = 0; atom < screening_.groups().size(); ++atom) {
       const ScreenedGroup& group = screening_.groups()[atom];
@@ -76,13 +79,13 @@ class Looker {
       const double value = statistic_(gain / group.unit, group.dimensions);
       if (value > most) {
         most = value;
-        best = {.atom = atom, .raw_gain = gain, .unit = group.unit};
+        best = {.atom = atom, .raw_gain = gain};
       }
     }
     return best;
   }
 
-  Shape& shapeOf(std::size_t atom) {
+  const Shape& shapeOf(std::size_t atom) {
     const auto known = shapes_.find(atom);
     if (known != shapes_.end()) {
       return known->second;
@@ -91,10 +94,12 @@ class Looker {
     const auto columns = atoms_.columns.middleCols(item.first, item.count);
     Shape shape;
     shape.all.resize(free_.rows(), free_.cols() + columns.cols());
-    shape.all << free_, columns;
+    shape.all.leftCols(free_.cols()) = free_;
+    shape.all.rightCols(columns.cols()) = columns;
     const Eigen::Index priors = fit_.prior_weight.size();
     Eigen::MatrixXd weighted = Eigen::MatrixXd::Zero(weighted_free_.rows() + priors, shape.all.cols());
-    weighted.topRows(weighted_free_.rows()) << weighted_free_, fit_.weighting->apply(columns);
+    weighted.topLeftCorner(weighted_free_.rows(), weighted_free_.cols()) = weighted_free_;
+    weighted.topRightCorner(weighted_free_.rows(), columns.cols()) = fit_.weighting->apply(columns);
     weighted.bottomLeftCorner(priors, priors) = fit_.prior_weight.asDiagonal();
     // Columns are brought to one length, or the rank would depend on units.
     for (Eigen::Index k = 0; k < weighted.cols(); ++k) {
@@ -130,9 +135,9 @@ SecondLook lookAgain(const Dataset& data, const ModelFit& fit, const Atoms& atom
   }
   Looker looker(data, fit, atoms, nuisance, screening, statistic);
   const Looker::Look seen = looker.at(fit.residual, fit.prior_residual);
-  const ScreenedGroup& group = screening.groups()[seen.atom];
-  SecondLook result{.screened = screening.results()[seen.atom], .p_value = 1.0};
-  result.screened.gain = seen.raw_gain / withMotion(group, seen.unit);
+  const ScreenedGroup& group = screening.groups()[seen.best.atom];
+  SecondLook result{.screened = screening.results()[seen.best.atom], .p_value = 1.0};
+  result.screened.gain = seen.best.raw_gain / withMotion(group, seen.unit);
   const double observed = statistic(result.screened.gain, group.dimensions);
 
   std::mt19937_64 random(seed);
@@ -144,7 +149,8 @@ SecondLook lookAgain(const Dataset& data, const ModelFit& fit, const Atoms& atom
     const Eigen::VectorXd prior = Eigen::VectorXd::NullaryExpr(
         fit.prior_weight.size(), [&] { return fit.prior_scale * normal(random); });
     const Looker::Look drawn = looker.at(residual, prior);
-    chance.push_back(statistic(drawn.raw_gain / drawn.unit, screening.groups()[drawn.atom].dimensions));
+    chance.push_back(
+        statistic(drawn.best.raw_gain / drawn.unit, screening.groups()[drawn.best.atom].dimensions));
   }
   result.p_value = exceedance(chance, observed);
   return result;
