@@ -240,6 +240,8 @@ double surprise(double gain, int dimensions) {
 
 /// A p by the noise of the fit up to which it pays to look again.
 constexpr double kWorthASecondLook = 0.1;
+/// Whoever looks twice has two chances to be wrong: the second gets half as much room.
+constexpr double kLevelOfSecondLook = 0.5;
 
 }  // namespace
 
@@ -281,7 +283,7 @@ DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::spa
   }
   if (ranked.empty() && least_p < kWorthASecondLook) {
     const SecondLook again = lookAgain(data, fit, atoms, takes_up, screening, surprise, replicates, seed + 1);
-    if (again.p_value < family_wise_p) {
+    if (again.p_value < kLevelOfSecondLook * family_wise_p) {
       add(again.screened, again.p_value);
     }
   }
