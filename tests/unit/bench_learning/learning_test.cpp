@@ -1,4 +1,7 @@
 // The parts of the comparison between networks and observers that can be known beforehand.
+#include <algorithm>
+#include <stdexcept>
+
 #include <doctest/doctest.h>
 
 #include "tools/bench/learning/adaptation.hpp"
@@ -12,13 +15,15 @@ using namespace patella::bench;
 
 namespace {
 
+Tuned tunedMethod(const std::string& name) {
+  const auto& all = methods();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Method& m) { return m.name == name; });
+  REQUIRE(found != all.end());
+  return {&*found, {30.0, 30.0, 30.0}};
+}
+
 Tuned kalman() {
-  for (const Method& method : methods()) {
-    if (method.name == "extended Kalman, force, constant rate") {
-      return {&method, {30.0, 30.0}};
-    }
-  }
-  return {};
+  return tunedMethod("extended Kalman, force, constant rate");
 }
 
 double sum(const std::array<double, 2>& errors) {
@@ -57,6 +62,11 @@ TEST_CASE("a push is foretold by its rate better than by holding it") {
   const ObservedRun run = observeRun(recording, kalman());
   CHECK(sum(meanError(predictConstantRate(recording, run, kalman(), 0.05))) <
         sum(meanError(deliverObserver(run, 0.05))));
+  CHECK(knowsRate(kalman(), recording.condition));
+  const Tuned momentum = tunedMethod("momentum, 2nd order");
+  CHECK_FALSE(knowsRate(momentum, recording.condition));
+  CHECK_FALSE(knowsRate(tunedMethod("extended Kalman, force, random walk"), recording.condition));
+  CHECK_THROWS_AS(predictConstantRate(recording, run, momentum, 0.05), std::invalid_argument);
 }
 
 TEST_CASE(

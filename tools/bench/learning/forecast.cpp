@@ -7,12 +7,26 @@
 
 namespace patella::bench {
 
-Delivered predictConstantRate(const Recording& recording, const ObservedRun& run, const Tuned& observer,
+namespace {
+
+/// Null where the observer is another.
+estimation::KalmanObserver* asFilterOfRate(estimation::Observer* observer) {
+  auto* filter = dynamic_cast<estimation::KalmanObserver*>(observer);
+  return filter != nullptr && filter->layout().rates > 0 ? filter : nullptr;
+}
+
+}  // namespace
+
+bool knowsRate(const Tuned& observer, const Condition& condition) {
+  return asFilterOfRate(observer.method->make(condition, observer.values).get()) != nullptr;
+}
+
+Delivered predictConstantRate(const Recording& recording, const ObservedRun& run, const Tuned& tuned,
                               double horizon_s) {
-  const auto made = observer.method->make(recording.condition, observer.values);
-  auto* filter = dynamic_cast<estimation::KalmanObserver*>(made.get());
-  if (filter == nullptr || filter->layout().rates == 0) {
-    throw std::invalid_argument(observer.method->name +
+  const auto made = tuned.method->make(recording.condition, tuned.values);
+  estimation::KalmanObserver* filter = asFilterOfRate(made.get());
+  if (filter == nullptr) {
+    throw std::invalid_argument(tuned.method->name +
                                 " has no rate to predict with, expected a Kalman filter "
                                 "of constant rate");
   }

@@ -5,9 +5,12 @@
 
 namespace patella::bench {
 
-/// Runs the filter that the observer is, which must be of constant rate, and moves its state on by the
-/// horizon: posture by velocity and acceleration, the disturbance by its rate. Joint torques.
-Delivered predictConstantRate(const Recording& recording, const ObservedRun& run, const Tuned& observer,
+/// Whether the observer is a Kalman filter of constant rate.
+bool knowsRate(const Tuned& observer, const Condition& condition);
+
+/// Runs such a filter over what the run's front end saw and moves its state on by the horizon: posture by
+/// velocity and acceleration, the disturbance by its rate. Joint torques.
+Delivered predictConstantRate(const Recording& recording, const ObservedRun& run, const Tuned& tuned,
                               double horizon_s);
 
 }  // namespace patella::bench

@@ -20,23 +20,35 @@ constexpr std::uint64_t kSeedSpan = 10000;
 constexpr std::uint64_t kValidationFrom = 3000;
 constexpr std::uint64_t kTestFrom = 6000;
 
-/// The one with the smallest mean error, summed over joints and runs, each tuned on these runs.
-Tuned bestObserver(const std::vector<Recording>& runs) {
-  Tuned best;
+/// What is compared in one condition, tuned.
+struct Contenders {
+  Tuned observer;  ///< of all causal ones
+  Tuned filter;    ///< of the Kalman filters of constant rate; forecasts
+  std::vector<std::pair<AdaptedBody, std::vector<double>>> adaptive{};  ///< with their numbers
+};
+
+/// Those with the smallest mean error, summed over joints and runs, each tuned on these runs.
+Contenders bestOf(const std::vector<Recording>& runs) {
+  Contenders best;
   double lowest = std::numeric_limits<double>::infinity();
+  double lowest_filter = lowest;
   for (const Method& method : methods()) {
     if (method.kind != Method::Kind::kCausal || !method.takes_encoder_only) {
       continue;
     }
-    const std::vector<double> values = tune(method, runs);
+    const Tuned tuned{&method, tune(method, runs)};
     double sum = 0.0;
     for (const Recording& run : runs) {
-      const auto error = meanError(follow(method, values, run));
+      const auto error = meanError(follow(method, tuned.values, run));
       sum += error[0] + error[1];
     }
     if (sum < lowest) {
       lowest = sum;
-      best = {&method, values};
+      best.observer = tuned;
+    }
+    if (sum < lowest_filter && knowsRate(tuned, runs.front().condition)) {
+      lowest_filter = sum;
+      best.filter = tuned;
     }
   }
   return best;
@@ -50,14 +62,8 @@ std::vector<ObservedRun> observeAll(const std::vector<Recording>& recordings, co
   return runs;
 }
 
-/// What is compared in one condition, tuned.
-struct Contenders {
-  Tuned observer;
-  std::vector<std::pair<AdaptedBody, std::vector<double>>> adaptive;  ///< with their numbers
-};
-
 Contenders contendersOf(const std::vector<Recording>& runs, bool adapt) {
-  Contenders contenders{.observer = bestObserver(runs), .adaptive = {}};
+  Contenders contenders = bestOf(runs);
   if (adapt) {
     for (const AdaptedBody body : {AdaptedBody::kShank, AdaptedBody::kWhole}) {
       contenders.adaptive.emplace_back(body, tune(adaptiveMethod(body), runs));
@@ -94,7 +100,7 @@ class Trial {
            [&](std::size_t i) { return deliverObserver(test_[i], horizon_s); });
     if (horizon_s > 0.0) {
       report("constant rate", horizon_s, [&](std::size_t i) {
-        return predictConstantRate(test_recordings_[i], test_[i], observer_, horizon_s);
+        return predictConstantRate(test_recordings_[i], test_[i], contenders_.filter, horizon_s);
       });
     }
     for (const auto& [body, values] : contenders_.adaptive) {
