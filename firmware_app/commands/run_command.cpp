@@ -144,6 +144,18 @@ std::string heading(const std::vector<InputFile>& files) {
   return text;
 }
 
+// What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
+// show (docs/training.md, Linear path).
+void warnOfOwnEffect(const RunConfig& config) {
+  if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
+      config.tick.compensation == tick::CompensationSource::kNetwork) {
+    spdlog::warn(
+        "{}: a network with a linear path compensates here; train it on a recording in which one did, or "
+        "with --linear-lags none",
+        config.weights_path.string());
+  }
+}
+
 }  // namespace
 
 RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
@@ -151,6 +163,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
   }
+  warnOfOwnEffect(config);
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
   can::MeasurementDecoder decoder = makeDecoder(config);

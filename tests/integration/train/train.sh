@@ -39,9 +39,15 @@ fi
 grep -q 'the network was trained on it' "$folder/refusal.txt" || fail "refused for another reason: $(cat "$folder/refusal.txt")"
 
 "$patella" run --config "$config" --clock virtual --duration 3 --seed 4 --weights "$folder/whole.safetensors" \
-  --out "$folder/loop" >"$folder/loop.txt"
+  --out "$folder/loop" >"$folder/loop.txt" 2>&1
 grep -q 'estimate| of the network' "$folder/loop.txt" || fail "the loop shows no estimate of the network"
 grep -q 'heap operations 0' "$folder/loop.txt" || fail "the loop touched the heap"
+grep -q 'linear path compensates' "$folder/loop.txt" && fail "warned of a network that does not compensate"
+sed -e 's#"sampler"$#"network"#' -e "s#= \"\(models\|can\)/#= \"$(realpath "$(dirname "$config")")/\1/#" "$config" >"$folder/compensating.toml"
+"$patella" run --config "$folder/compensating.toml" --clock virtual --duration 1 --weights "$folder/whole.safetensors" \
+  --out "$folder/compensating" >"$folder/compensating.txt" 2>&1 || fail "$(cat "$folder/compensating.txt")"
+grep -q 'whole.safetensors: a network with a linear path compensates' "$folder/compensating.txt" ||
+  fail "no warning where a network compensates that never saw one do so: $(cat "$folder/compensating.txt")"
 lags() {
   rm -f "$folder/lags.safetensors"
   "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/lags.safetensors" --split recording \
