@@ -16,6 +16,10 @@ namespace {
 constexpr double kTremorP = 1e-6;
 /// Of the residual's root mean square, its amplitude at least.
 constexpr double kLeastTremor = 0.35;
+/// Bootstrap and jackknife do not see that nature's effect is not quite the library's: real stiction has no
+/// smooth curve. Their 95 % intervals held the truth in 90 % of the parameters of rigs that stick (255 of
+/// patella-bench-diagnose, seeds 106 to 108); a third wider they hold it in 93 %.
+constexpr double kShapeAllowance = 1.3;
 
 std::string separatingMotion(std::string_view kind) {
   const std::string_view variable = betrayingVariable(kind);
@@ -77,6 +81,11 @@ std::string_view verdictName(Verdict verdict) noexcept {
 
 EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
                         const Evidence& evidence, int joints) {
+  for (ParameterEstimate& parameter : parameters) {
+    for (double& limit : parameter.ci95) {
+      limit = parameter.value + kShapeAllowance * (limit - parameter.value);
+    }
+  }
   EffectFinding finding{.kind = kind,
                         .joint = joint,
                         .parameters = std::move(parameters),

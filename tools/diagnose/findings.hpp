@@ -14,7 +14,7 @@ namespace patella::diagnose {
 
 /// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
 /// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that
-/// would tell them apart.
+/// would tell them apart. Intervals come out wider, by an allowance for the shape of the effect.
 EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
                         const Evidence& evidence, int joints);
 
