@@ -17,8 +17,8 @@ constexpr double kTremorP = 1e-6;
 /// Of the residual's root mean square, its amplitude at least.
 constexpr double kLeastTremor = 0.35;
 /// Bootstrap and jackknife do not see that nature's effect is not quite the library's: real stiction has no
-/// smooth curve. Their 95 % intervals held the truth in 90 % of the parameters of rigs that stick (255 of
-/// patella-bench-diagnose, seeds 106 to 108); a third wider they hold it in 94 %.
+/// smooth curve. Their 95 % intervals held the truth in 179 of 197 parameters (patella-bench-diagnose, seeds
+/// 106 to 108); so much wider they hold it in 185.
 constexpr double kShapeAllowance = 1.3;
 
 std::string separatingMotion(std::string_view kind) {

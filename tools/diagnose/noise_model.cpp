@@ -18,6 +18,23 @@ constexpr double kWeightingWhiteShare = 0.5;
 constexpr int kHighestProcessOrder = 10;
 constexpr int kBurnIn = 200;
 
+/// Calls visit(coefficients, first row among the innovations, its row in a Column, rows) for each joint and
+/// block.
+template <typename Visit>
+void eachRun(const Autoregression& process, const Dataset& data, Visit visit) {
+  Eigen::Index at = 0;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    for (const Block& block : data.blocks()) {
+      const Eigen::Index count = block.end - block.first - process.order;
+      if (count > 0) {
+        visit(process.coefficients[static_cast<std::size_t>(joint)], at,
+              joint * data.rows() + block.first + process.order, count);
+        at += count;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Autoregression Autoregression::fit(const Dataset& data, const Eigen::VectorXd& residual, int order,
@@ -58,45 +75,27 @@ Eigen::Index Autoregression::rows(const Dataset& data) const {
 Eigen::VectorXd Autoregression::innovations(const Dataset& data,
                                             const Eigen::Ref<const Eigen::VectorXd>& column) const {
   Eigen::VectorXd result(rows(data) * data.joints());
-  Eigen::Index at = 0;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
-    for (const Block& block : data.blocks()) {
-      const Eigen::Index count = block.end - block.first - order;
-      if (count <= 0) {
-        continue;
-      }
-      const Eigen::Index first = joint * data.rows() + block.first + order;
-      auto out = result.segment(at, count);
-      out = column.segment(first, count);
-      for (int k = 0; k < order; ++k) {
-        out -= a[k] * column.segment(first - 1 - k, count);
-      }
-      at += count;
-    }
-  }
+  eachRun(*this, data,
+          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+            auto out = result.segment(at, count);
+            out = column.segment(first, count);
+            for (int k = 0; k < order; ++k) {
+              out -= a[k] * column.segment(first - 1 - k, count);
+            }
+          });
   return result;
 }
 
 Eigen::VectorXd Autoregression::transposed(const Dataset& data, const Eigen::VectorXd& innovations) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(data.rows() * data.joints());
-  Eigen::Index at = 0;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
-    for (const Block& block : data.blocks()) {
-      const Eigen::Index count = block.end - block.first - order;
-      if (count <= 0) {
-        continue;
-      }
-      const Eigen::Index first = joint * data.rows() + block.first + order;
-      const auto in = innovations.segment(at, count);
-      result.segment(first, count) += in;
-      for (int k = 0; k < order; ++k) {
-        result.segment(first - 1 - k, count) -= a[k] * in;
-      }
-      at += count;
-    }
-  }
+  eachRun(*this, data,
+          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+            const auto in = innovations.segment(at, count);
+            result.segment(first, count) += in;
+            for (int k = 0; k < order; ++k) {
+              result.segment(first - 1 - k, count) -= a[k] * in;
+            }
+          });
   return result;
 }
 
