@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
 #include "tools/diagnose/second_look.hpp"
+#include "tools/diagnose/suggested_functions.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -71,6 +71,10 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
     all.push_back(
         {.name = fmt::format("ddq{}*q{}", j + 1, j + 1), .value = position, .factor = acceleration});
     all.push_back({.name = fmt::format("dq{}*q{}", j + 1, j + 1), .value = position, .factor = velocity});
+    const Value direction = [=](const Series& s, std::size_t i) {
+      return s.states[i].dq[j] > 0.0 ? 1.0 : s.states[i].dq[j] < 0.0 ? -1.0 : 0.0;
+    };
+    all.push_back({.name = fmt::format("dq{}*q{}", j + 1, j + 1), .value = position, .factor = direction});
     all.push_back({.name = fmt::format("q{}*time", j + 1), .value = time, .factor = position});
     all.push_back({.name = fmt::format("dq{}*time", j + 1), .value = time, .factor = velocity});
   }
@@ -106,76 +110,9 @@ double hat(const std::vector<double>& knots, std::size_t k, double x) {
   return 1.0;
 }
 
-/// Of a stiffness that comes and goes, in Hz: slower than a patient moves, or motion and stiffness could not
-/// be told apart. Many more than this many frequencies would cost more than they find.
-constexpr double kFastestChange_Hz = 0.6;
-constexpr int kMostFrequencies = 120;
-
-// A joint's position times sine and cosine of a slow frequency, on that joint.
-void addChangingStiffness(const Dataset& data, Atoms& atoms, std::vector<Eigen::VectorXd>& columns) {
-  const double duration_s = data.time_s().maxCoeff() - data.time_s().minCoeff();
-  if (data.isStatic() || duration_s * kFastestChange_Hz < 3.0) {
-    return;
-  }
-  const double slowest_Hz = 1.5 / duration_s;
-  const double step_Hz = std::max(0.6 / duration_s, (kFastestChange_Hz - slowest_Hz) / kMostFrequencies);
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    std::vector<double> positions;
-    for (const Series& series : data.series()) {
-      for (const auto& state : series.states) {
-        positions.push_back(state.q[joint]);
-      }
-    }
-    const double middle = offline::quantile(positions, 0.5);
-    for (double frequency_Hz = slowest_Hz; frequency_Hz < kFastestChange_Hz; frequency_Hz += step_Hz) {
-      atoms.items.push_back({.recipe = nullptr,
-                             .nu = {},
-                             .label = fmt::format("q{}*time", joint + 1),
-                             .joint = joint,
-                             .first = static_cast<Eigen::Index>(columns.size()),
-                             .count = 2});
-      for (const double quarter : {0.0, 0.25}) {
-        Eigen::VectorXd column = Eigen::VectorXd::Zero(data.rows() * data.joints());
-        column.segment(joint * data.rows(), data.rows()) = data.variable([&](const Series& s, std::size_t i) {
-          const double turns = frequency_Hz * s.states[i].time_s + quarter;
-          return (s.states[i].q[joint] - middle) * std::sin(2.0 * std::numbers::pi * turns);
-        });
-        columns.push_back(std::move(column));
-      }
-    }
-  }
-}
-
-// A muscle or a strap over two joints: what the other joint's position or velocity does in straight
-// proportion. A function of eight knots would need a larger gain for the same.
-void addCoupling(const Dataset& data, Atoms& atoms, std::vector<Eigen::VectorXd>& columns) {
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    for (int other = 0; other < data.joints(); ++other) {
-      if (other == joint) {
-        continue;
-      }
-      const Eigen::VectorXd position =
-          data.variable([=](const Series& s, std::size_t i) { return s.states[i].q[other]; });
-      const Eigen::VectorXd velocity =
-          data.variable([=](const Series& s, std::size_t i) { return s.states[i].dq[other]; });
-      for (const auto& [stem, value] : {std::pair{"q", &position}, std::pair{"dq", &velocity}}) {
-        atoms.items.push_back({.recipe = nullptr,
-                               .nu = {},
-                               .label = fmt::format("{}{}", stem, other + 1),
-                               .joint = joint,
-                               .first = static_cast<Eigen::Index>(columns.size()),
-                               .count = 1});
-        columns.emplace_back(Eigen::VectorXd::Zero(data.rows() * data.joints()));
-        columns.back().segment(joint * data.rows(), data.rows()) = *value;
-      }
-    }
-  }
-}
-
-Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
-  Atoms atoms;
-  std::vector<Eigen::VectorXd> columns;
-  for (const Variable& variable : variables) {
+Atoms functionAtoms(const Dataset& data, const ModelFit& fit, std::span<const int> channels) {
+  FunctionAtoms atoms(data);
+  for (const Variable& variable : variables(data, channels)) {
     const std::vector<double> places = knots(data, variable.value);
     if (places.size() < 3) {
       continue;
@@ -187,26 +124,11 @@ Atoms functionAtoms(const Dataset& data, std::span<const Variable> variables) {
       }));
     }
     for (int joint = 0; joint < data.joints(); ++joint) {
-      atoms.items.push_back({.recipe = nullptr,
-                             .nu = {},
-                             .label = variable.name,
-                             .joint = joint,
-                             .first = static_cast<Eigen::Index>(columns.size()),
-                             .count = static_cast<Eigen::Index>(functions.size())});
-      for (const Eigen::VectorXd& function : functions) {
-        Eigen::VectorXd column = Eigen::VectorXd::Zero(data.rows() * data.joints());
-        column.segment(joint * data.rows(), data.rows()) = function;
-        columns.push_back(std::move(column));
-      }
+      atoms.add(variable.name, joint, functions);
     }
   }
-  addCoupling(data, atoms, columns);
-  addChangingStiffness(data, atoms, columns);
-  atoms.columns.resize(data.rows() * data.joints(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    atoms.columns.col(static_cast<Eigen::Index>(k)) = columns[k];
-  }
-  return atoms;
+  addSuggested(data, fit, channels, atoms);
+  return std::move(atoms).finished();
 }
 
 // What may take up what it can beside the fitted parameters: a constant on every joint, whose name is known
@@ -247,8 +169,7 @@ constexpr double kLevelOfSecondLook = 0.5;
 
 DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                               int replicates, double family_wise_p, std::uint64_t seed) {
-  const std::vector<Variable> all = variables(data, channels);
-  const Atoms atoms = functionAtoms(data, all);
+  const Atoms atoms = functionAtoms(data, fit, channels);
   const Eigen::MatrixXd takes_up = nuisance(data);
   const Screening screening(
       data, fit, atoms.items, atoms.columns,

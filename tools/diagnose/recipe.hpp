@@ -41,6 +41,8 @@ struct Recipe {
   std::vector<NonlinearParameter> nonlinear;
   std::vector<std::vector<double>>
       grid;  ///< points ν at which the search looks; one empty point where ν is empty
+  /// More points, from one of which a descent reaches the lowest valley of a rugged objective.
+  std::vector<std::vector<double>> valleys;
   /// Parameters of the effect, in the order of its descriptor.
   std::function<std::vector<double>(std::span<const double> c, std::span<const double> nu)> parameters;
   std::function<std::vector<std::vector<BasisTerm>>(std::span<const double> nu)> basis;

@@ -89,11 +89,13 @@ Recipe transmissionElasticity(const Motion& motion) {
 // The contact is as stiff as it takes for the motor to ring in it at about 100 Hz, far above the band.
 // ν = logarithms of (gap times inertia of the drive, that inertia). A torque τ carries the motor across the
 // gap in sqrt(2 gap·inertia/τ) and loses no momentum on the way, so that the first alone says how late torque
-// arrives; the second adds a rotor.
+// arrives; the second adds a rotor. Valleys lie so close that between two of them the motor is never late
+// by more than a contact's bump in the band is wide.
 Recipe backlash(const Motion& motion) {
   constexpr double kContact_rad_s = 600.0;
   constexpr double kDampingRatio = 0.3;
   constexpr double kFinest = 2e-5, kCoarsest = 1.5e-2, kRatio = 1.6;  // of gap times share of inertia, rad
+  constexpr double kFlightStep_s = 0.012;
   /// Impacts leave bumps this wide.
   constexpr double kStep = 0.05;
   Recipe recipe = start("backlash", motion, {});
@@ -103,8 +105,15 @@ Recipe backlash(const Motion& motion) {
                        .upper = std::log(2.0 * kCoarsest * inertia),
                        .step = kStep},
                       {.lower = std::log(0.002 * inertia), .upper = std::log(2.0 * inertia), .step = kStep}};
-  recipe.grid = product({range(std::log(kFinest * inertia), std::log(kCoarsest * inertia), std::log(kRatio)),
-                         {std::log(0.05 * inertia), std::log(0.15 * inertia)}});
+  const double finest = std::log(kFinest * inertia), coarsest = std::log(kCoarsest * inertia);
+  std::vector<double> flights;
+  for (double flight = finest; flight < coarsest;) {
+    flights.push_back(flight);
+    const double flight_s = std::sqrt(2.0 * std::exp(flight) / motion.torque_rms);
+    flight += std::min(std::log(kRatio), 2.0 * std::log1p(kFlightStep_s / flight_s));
+  }
+  recipe.grid = product({flights, {std::log(0.04 * inertia), std::log(0.15 * inertia)}});
+  recipe.valleys = product({flights, range(std::log(0.02 * inertia), std::log(0.15 * inertia), 0.25)});
   recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
     const double rotor = std::exp(nu[1]);
     return Parameters("backlash")

@@ -1,0 +1,157 @@
+#include "tools/diagnose/suggested_functions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/model_fit.hpp"
+#include "tools/signals/signals.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Of a stiffness that comes and goes, in Hz: slower than a patient moves, or motion and stiffness could not
+/// be told apart. Many more than this many frequencies would cost more than they find.
+constexpr double kFastestChange_Hz = 0.6;
+constexpr int kMostFrequencies = 120;
+
+// Where springs have no torque: in the middle of the motion, or where the fit has found one.
+double restPosition(const Dataset& data, const ModelFit& fit, int joint) {
+  for (const Term& term : fit.terms) {
+    if (term.recipe->kind == "linear_stiffness" && term.recipe->joint == joint) {
+      return ModelFitter::effectParameters(term)[1];
+    }
+  }
+  std::vector<double> positions;
+  for (const Series& series : data.series()) {
+    for (const auto& state : series.states) {
+      positions.push_back(state.q[joint]);
+    }
+  }
+  return offline::quantile(positions, 0.5);
+}
+
+// What the other joint's position or velocity does in straight proportion.
+void addCoupling(const Dataset& data, FunctionAtoms& atoms) {
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    for (int other = 0; other < data.joints(); ++other) {
+      if (other == joint) {
+        continue;
+      }
+      const Eigen::VectorXd position =
+          data.variable([=](const Series& s, std::size_t i) { return s.states[i].q[other]; });
+      const Eigen::VectorXd velocity =
+          data.variable([=](const Series& s, std::size_t i) { return s.states[i].dq[other]; });
+      atoms.add(fmt::format("q{}", other + 1), joint, std::span(&position, 1));
+      atoms.add(fmt::format("dq{}", other + 1), joint, std::span(&velocity, 1));
+    }
+  }
+}
+
+// k(t) (q − rest), where k swings slowly.
+void addChangingStiffness(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
+  const double duration_s = data.time_s().maxCoeff() - data.time_s().minCoeff();
+  if (data.isStatic() || duration_s * kFastestChange_Hz < 3.0) {
+    return;
+  }
+  const double slowest_Hz = 1.5 / duration_s;
+  const double step_Hz = std::max(0.6 / duration_s, (kFastestChange_Hz - slowest_Hz) / kMostFrequencies);
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const double rest = restPosition(data, fit, joint);
+    for (double frequency_Hz = slowest_Hz; frequency_Hz < kFastestChange_Hz; frequency_Hz += step_Hz) {
+      std::array<Eigen::VectorXd, 2> swings;
+      for (std::size_t k = 0; k < swings.size(); ++k) {
+        swings[k] = data.variable([&](const Series& s, std::size_t i) {
+          const double turns = frequency_Hz * s.states[i].time_s + 0.25 * static_cast<double>(k);
+          return (s.states[i].q[joint] - rest) * std::sin(2.0 * std::numbers::pi * turns);
+        });
+      }
+      atoms.add(fmt::format("q{}*time", joint + 1), joint, swings);
+    }
+  }
+}
+
+// a (q − rest) of an activation a: a muscle is stiffer the more it is active (Hogan, IEEE Trans. Automatic
+// Control 29(8), 1984).
+void addMuscleStiffness(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
+                        FunctionAtoms& atoms) {
+  for (const int channel : channels) {
+    for (int joint = 0; joint < data.joints(); ++joint) {
+      const double rest = restPosition(data, fit, joint);
+      const auto muscle = static_cast<std::size_t>(channel - 1);
+      const Eigen::VectorXd column = data.variable([=](const Series& s, std::size_t i) {
+        return s.states[i].activation[muscle] * (s.states[i].q[joint] - rest);
+      });
+      atoms.add(fmt::format("activation{}*q{}", channel, joint + 1), joint, std::span(&column, 1));
+    }
+  }
+}
+
+// d/dt (I(q) dq) − ½ I′ dq² of I(q) = Δ and Δ², with Δ from the middle of the motion. The constant is a rotor's.
+void addChangingInertia(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
+  for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
+    const double middle = restPosition(data, fit, joint);
+    const auto torque = [=](const Series& s, std::size_t i, bool square) {
+      const double away = s.states[i].q[joint] - middle;
+      const double inertia = square ? away * away : away;
+      const double slope = square ? 2.0 * away : 1.0;
+      return inertia * s.asked_acceleration[i][joint] + 0.5 * slope * std::pow(s.states[i].dq[joint], 2);
+    };
+    const std::array<Eigen::VectorXd, 2> powers = {
+        data.variable([=](const Series& s, std::size_t i) { return torque(s, i, false); }),
+        data.variable([=](const Series& s, std::size_t i) { return torque(s, i, true); })};
+    atoms.add(fmt::format("ddq{}*q{}", joint + 1, joint + 1), joint, powers);
+  }
+}
+
+// Of the second and third power of speed.
+void addDrag(const Dataset& data, FunctionAtoms& atoms) {
+  for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
+    const auto power = [&](double exponent) {
+      return data.variable([=](const Series& s, std::size_t i) {
+        return std::copysign(std::pow(std::abs(s.states[i].dq[joint]), exponent), s.states[i].dq[joint]);
+      });
+    };
+    const std::array<Eigen::VectorXd, 2> powers = {power(2.0), power(3.0)};
+    atoms.add(fmt::format("dq{}", joint + 1), joint, powers);
+  }
+}
+
+}  // namespace
+
+void FunctionAtoms::add(const std::string& label, int joint, std::span<const Eigen::VectorXd> functions) {
+  items_.push_back({.recipe = nullptr,
+                    .nu = {},
+                    .label = label,
+                    .joint = joint,
+                    .first = static_cast<Eigen::Index>(columns_.size()),
+                    .count = static_cast<Eigen::Index>(functions.size())});
+  for (const Eigen::VectorXd& function : functions) {
+    columns_.emplace_back(Eigen::VectorXd::Zero(data_->rows() * data_->joints()));
+    columns_.back().segment(joint * data_->rows(), data_->rows()) = function;
+  }
+}
+
+Atoms FunctionAtoms::finished() && {
+  Atoms atoms{.items = std::move(items_), .columns = {}};
+  atoms.columns.resize(data_->rows() * data_->joints(), static_cast<Eigen::Index>(columns_.size()));
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    atoms.columns.col(static_cast<Eigen::Index>(k)) = columns_[k];
+  }
+  return atoms;
+}
+
+void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
+                  FunctionAtoms& atoms) {
+  addCoupling(data, atoms);
+  addChangingStiffness(data, fit, atoms);
+  addMuscleStiffness(data, fit, channels, atoms);
+  addChangingInertia(data, fit, atoms);
+  addDrag(data, atoms);
+}
+
+}  // namespace patella::diagnose
