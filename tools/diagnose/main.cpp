@@ -69,9 +69,7 @@ void declare(CLI::App& app, Arguments& a) {
       ->excludes(holdout)
       ->capture_default_str();
   app.add_option("--effects", a.effects, "kinds to consider, separated by commas, or all")->delimiter(',');
-  app.add_option("--seed", a.options.seed, "of everything that is drawn by lot")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  app.add_option("--seed", a.options.seed, "of everything that is drawn by lot")->capture_default_str();
   app.add_option("--replicates", a.options.bootstrap_replicates,
                  "of the bootstrap that tells effects from chance")
       ->check(CLI::Range(kFewestReplicates, 100000))

@@ -6,6 +6,7 @@
 
 #include "tools/diagnose/candidate.hpp"
 #include "tools/diagnose/recipe_names.hpp"
+#include "tools/diagnose/rugged_start.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -106,7 +107,7 @@ void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Can
     return;
   }
   Term& term = start->terms.back();
-  term.nu = climbed(fitter, current, *term.recipe, term.nu);
+  term.nu = ruggedStart(fitter, current, *term.recipe, term.nu);
   candidate.fit = fitter.fit(std::move(*start), *current.weighting);
   const auto added =
       static_cast<Eigen::Index>(candidate.fit->terms.back().c.size() + candidate.fit->terms.back().nu.size());

@@ -27,27 +27,6 @@ Eigen::MatrixXd oscillationColumns(const Dataset& data, int joint, double freque
   return columns;
 }
 
-// Basis of what a fit's parameters can take up: weighted rows, then those of the priors.
-Eigen::MatrixXd orthonormal(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
-                            const Eigen::MatrixXd& nuisance = {}) {
-  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
-  Eigen::MatrixXd tangent =
-      Eigen::MatrixXd::Zero(slope.rows() + slope.cols(), slope.cols() + nuisance.cols());
-  tangent.topLeftCorner(slope.rows(), slope.cols()) = slope;
-  tangent.bottomLeftCorner(slope.cols(), slope.cols()) = prior_weight.asDiagonal();
-  if (nuisance.cols() > 0) {
-    tangent.topRightCorner(slope.rows(), nuisance.cols()) = fit.weighting->apply(nuisance);
-  }
-  // Columns are brought to one length, or the rank would depend on units.
-  for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
-    const double length = tangent.col(k).norm();
-    tangent.col(k) /= length > 0.0 ? length : 1.0;
-  }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tangent);
-  qr.setThreshold(1e-7);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
-}
-
 // Of the columns, what is not spanned already; `before` are their squared lengths before the fit's share was
 // taken out.
 std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::MatrixXd>& columns,
@@ -125,12 +104,27 @@ double clusteredVariance(const std::vector<Eigen::VectorXd>& basis, Eigen::Vecto
   return sum / taken * static_cast<double>(kClusters) / (static_cast<double>(kClusters) - taken);
 }
 
-/// Steps of a climb are so many times those of the recipe at first, and halve.
-constexpr double kFirstClimb = 4.0;
-constexpr double kLastClimb = 0.25;
-constexpr int kMostTries = 160;
-
 }  // namespace
+
+Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
+                        const Eigen::MatrixXd& nuisance) {
+  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
+  Eigen::MatrixXd tangent =
+      Eigen::MatrixXd::Zero(slope.rows() + slope.cols(), slope.cols() + nuisance.cols());
+  tangent.topLeftCorner(slope.rows(), slope.cols()) = slope;
+  tangent.bottomLeftCorner(slope.cols(), slope.cols()) = prior_weight.asDiagonal();
+  if (nuisance.cols() > 0) {
+    tangent.topRightCorner(slope.rows(), nuisance.cols()) = fit.weighting->apply(nuisance);
+  }
+  // Columns are brought to one length, or the rank would depend on units.
+  for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
+    const double length = tangent.col(k).norm();
+    tangent.col(k) /= length > 0.0 ? length : 1.0;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tangent);
+  qr.setThreshold(1e-7);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
+}
 
 double withMotion(const ScreenedGroup& group, double unit) {
   return std::clamp(group.seen_in_time, unit, kMostByMotion * unit);
@@ -164,7 +158,7 @@ Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Rec
 
 Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const Atom> atoms,
                      const Eigen::MatrixXd& columns, const ScreeningOptions& options) {
-  explained_ = orthonormal(fit, fit.prior_weight, options.nuisance);
+  explained_ = takenUp(fit, fit.prior_weight, options.nuisance);
   const Eigen::VectorXd white = fit.weighting->apply(fit.residual);
   Eigen::VectorXd residual = Eigen::VectorXd::Zero(explained_.rows());
   residual.head(white.size()) = white;
@@ -262,7 +256,7 @@ double redundancy(const Dataset& data, const ModelFit& fit, std::uint64_t seed) 
   std::mt19937_64 random(seed);
   ModelFit free = fit;
   free.prior_weight.setZero();
-  const Eigen::MatrixXd explained = orthonormal(free, free.prior_weight);
+  const Eigen::MatrixXd explained = takenUp(free, free.prior_weight);
   const Eigen::MatrixXd draws = weightedDraws(data, free, kUnitDraws, random);
   if (explained.cols() == 0) {
     return 1.0;  // at rest and without gravity no parameter takes up anything
@@ -278,7 +272,7 @@ double chanceUnit(const Dataset& data, const ModelFit& fit, Eigen::Index count, 
   ModelFit others = fit;
   others.tangent = fit.tangent.leftCols(parameters - count);
   others.prior_weight = fit.prior_weight.head(parameters - count);
-  const Eigen::MatrixXd explained = orthonormal(others, others.prior_weight);
+  const Eigen::MatrixXd explained = takenUp(others, others.prior_weight);
   std::mt19937_64 random(seed);
   Eigen::MatrixXd draws = weightedDraws(data, others, kUnitDraws, random);
   const Eigen::MatrixXd added = fit.weighting->apply(fit.tangent.rightCols(count));
@@ -308,93 +302,6 @@ Eigen::MatrixXd parameterCovariance(const Dataset& data, const ModelFit& fit, in
   const double left = (draws - tangent * solutions).topRows(slope.rows()).squaredNorm() /
                       draws.topRows(slope.rows()).squaredNorm();
   return solutions * solutions.transpose() / (static_cast<double>(replicates) * std::max(0.1, left));
-}
-
-namespace {
-
-using Height = std::function<double(const std::vector<double>&)>;
-
-// Downhill in steps along the axes and the diagonals between two of them, which halve.
-std::vector<double> downhill(const Recipe& recipe, const Height& height, std::vector<double> nu) {
-  double least = height(nu);
-  int tries = 0;
-  const auto tryStep = [&](std::vector<double> moved) {
-    for (std::size_t k = 0; k < nu.size(); ++k) {
-      const NonlinearParameter& range = recipe.nonlinear[k];
-      moved[k] = std::clamp(nu[k] + moved[k] * range.step, range.lower, range.upper);
-    }
-    ++tries;
-    const double value = height(moved);
-    const bool better = value < least;
-    if (better) {
-      least = value;
-      nu = moved;
-    }
-    return better;
-  };
-  for (double steps = kFirstClimb; steps >= kLastClimb; steps /= 2.0) {
-    for (bool better = true; better && tries < kMostTries;) {
-      better = false;
-      for (std::size_t k = 0; k < nu.size(); ++k) {
-        for (std::size_t other = k; other < nu.size(); ++other) {
-          for (const auto& [one, two] : {std::pair{1.0, 1.0}, {-1.0, -1.0}, {1.0, -1.0}, {-1.0, 1.0}}) {
-            if (other == k && one != two) {
-              continue;
-            }
-            std::vector<double> move(nu.size(), 0.0);
-            move[other] = two * steps;
-            move[k] = one * steps;
-            better = tryStep(std::move(move)) || better;
-          }
-        }
-      }
-    }
-  }
-  return nu;
-}
-
-std::vector<double> lowest(const Height& height, std::vector<double> among,
-                           const std::vector<std::vector<double>>& others) {
-  double least = height(among);
-  for (const std::vector<double>& point : others) {
-    if (const double value = height(point); value < least) {
-      least = value;
-      among = point;
-    }
-  }
-  return among;
-}
-
-}  // namespace
-
-std::vector<double> climbed(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
-                            std::vector<double> nu) {
-  const bool rugged = std::any_of(recipe.nonlinear.begin(), recipe.nonlinear.end(),
-                                  [](const NonlinearParameter& range) { return range.step > 0.0; });
-  if (!rugged || recipe.coefficients() > 0) {
-    return nu;
-  }
-  const Eigen::MatrixXd explained = orthonormal(fit, fit.prior_weight);
-  const Height left = [&](const std::vector<double>& at) {
-    const Eigen::VectorXd white = fit.weighting->apply(fit.residual - fitter.basis(recipe, at));
-    Eigen::VectorXd rest(explained.rows());
-    rest << white, fit.prior_residual;
-    return rest.squaredNorm() - (explained.transpose() * rest).squaredNorm();
-  };
-  // Weighting sharpens what impacts leave: an impact at the wrong time is worse than none. Without it valleys
-  // are wide enough for the grid to find.
-  const auto plain = fit.tangent.householderQr();
-  const Eigen::MatrixXd plainly = plain.householderQ() * Eigen::MatrixXd::Identity(fit.tangent.rows(), fit.tangent.cols());
-  const Height left_plain = [&](const std::vector<double>& at) {
-    const Eigen::VectorXd rest = fit.residual - fitter.basis(recipe, at);
-    return rest.squaredNorm() - (plainly.transpose() * rest).squaredNorm();
-  };
-  std::vector<std::vector<double>> starts = recipe.grid;
-  starts.insert(starts.end(), recipe.valleys.begin(), recipe.valleys.end());
-  const std::vector<double> widest = lowest(left_plain, nu, starts);
-  starts.push_back(downhill(recipe, left_plain, nu));
-  starts.push_back(downhill(recipe, left_plain, widest));
-  return downhill(recipe, left, lowest(left, nu, starts));
 }
 
 double exceedance(std::span<const double> values, double observed) {

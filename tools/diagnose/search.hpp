@@ -89,6 +89,11 @@ class Screening {
   std::vector<Screened> results_;
 };
 
+/// Orthonormal basis of what a fit's parameters and nuisance columns can take up: weighted rows, below them
+/// those of the priors.
+Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
+                        const Eigen::MatrixXd& nuisance = {});
+
 /// How many times its share of the squared weighted error chance brings the last `count` parameters of a fit,
 /// drawn from the fit's own noise: 1 where the weighted residual is white.
 double chanceUnit(const Dataset& data, const ModelFit& fit, Eigen::Index count, std::uint64_t seed);
@@ -107,12 +112,6 @@ struct Atoms {
   Eigen::MatrixXd columns;
 };
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes);
-
-/// A point from which a fit of an effect without coefficients may start, where its objective is rugged: the
-/// best that steps along each ν find, from the best of `nu` and the recipe's grid on, while all else takes up
-/// what it can. `nu` itself where the recipe is smooth.
-std::vector<double> climbed(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
-                            std::vector<double> nu);
 
 /// Share of `values` that reach `observed`, counting the observation itself: never 0.
 double exceedance(std::span<const double> values, double observed);

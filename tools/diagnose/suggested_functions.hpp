@@ -1,5 +1,5 @@
-// Dependences in the shape that mechanics suggests, beyond the effects of the library. A free function of eight
-// knots needs a larger gain for the same.
+// Dependences in the shape that mechanics suggests, beyond the effects of the library. A free function of
+// eight knots needs a larger gain for the same.
 #pragma once
 
 #include <span>

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -136,6 +137,33 @@ TEST_CASE("a coupling that is most of what is left does not pass for noise becau
   REQUIRE(!diagnosis.unexplained.empty());
   CHECK(diagnosis.unexplained.front().joint == 0);
   CHECK(diagnosis.unexplained.front().variable == "q2");
+}
+
+TEST_CASE("backlash is found where only a narrow valley leads to it") {
+  for (const std::uint64_t seed : {106000076U, 113000001U}) {
+    CAPTURE(seed);
+    const Case drawn = drawCase(seed, seed == 106000076U ? Suite::kDouble : Suite::kSingle,
+                                {.effect = {}, .mechanism = {}, .motion = "multisine"});
+    const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+    CHECK(std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [](const auto& effect) {
+      return effect.kind == "backlash" && effect.indistinguishable_from.empty();
+    }));
+    CHECK(diagnosis.after.heldout_rms_Nm[0] < 0.7 * diagnosis.refitted.heldout_rms_Nm[0]);
+  }
+}
+
+TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
+  const std::array<std::pair<std::uint64_t, const char*>, 3> cases{
+      {{114000199U, "ddq2*q2"}, {112000038U, "activation1*q2"}, {115000018U, "dq2*q2"}}};
+  for (const auto& [seed, variable] : cases) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis =
+        diagnosed(drawCase(seed, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    CHECK(diagnosis.verdict == diagnose::Verdict::kUnknownEffect);
+    REQUIRE(!diagnosis.unexplained.empty());
+    CHECK(diagnosis.unexplained.front().variable == variable);
+  }
 }
 
 TEST_CASE("wrong masses are no effect") {
