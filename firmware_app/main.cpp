@@ -6,6 +6,7 @@
 #include <ctime>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -64,7 +65,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::Range(0, patella::app::RealtimeOptions::kMaxCpu));
   run.add_option("--clock", line.clock,
                  "monotonic, or virtual: as fast as the machine allows, repeatable to the bit");
-  run.add_option("--seed", line.seed, "of the simulated rig");
+  run.add_option("--seed", line.seed, "of the simulated rig")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   run.add_option("--faults", line.faults, "script of faults, TOML: what goes wrong in rig, bus and host");
   run.add_option("--out", folder, "folder for the recording; must not hold one (default: runs/DATE-TIME)");
   run.footer("Exit status: 0 done, 1 could not start, 3 ended in a latched stop, 4 recording failed.");

@@ -3,6 +3,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -69,7 +70,9 @@ void declare(CLI::App& app, Arguments& a) {
       ->excludes(holdout)
       ->capture_default_str();
   app.add_option("--effects", a.effects, "kinds to consider, separated by commas, or all")->delimiter(',');
-  app.add_option("--seed", a.options.seed, "of everything that is drawn by lot")->capture_default_str();
+  app.add_option("--seed", a.options.seed, "of everything that is drawn by lot")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->capture_default_str();
   app.add_option("--replicates", a.options.bootstrap_replicates,
                  "of the bootstrap that tells effects from chance")
       ->check(CLI::Range(kFewestReplicates, 100000))
