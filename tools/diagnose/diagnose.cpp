@@ -27,6 +27,7 @@
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/torque_timing.hpp"
+#include "tools/diagnose/wandering_tremor.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -352,7 +353,7 @@ class Procedure {
     if (!considered || known) {
       return;
     }
-    if (auto tremor = tremorFinding(*wide_, residualOf(*wide_, extended).residual, result_.effects)) {
+    if (auto tremor = wanderingTremor(*wide_, extended, result_.effects)) {
       result_.effects.push_back(std::move(*tremor));
       result_.warnings.emplace_back(
           "the tremor's phase wanders: it is named, but not added to the model, which could not foresee it");

@@ -5,17 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/elementary.hpp"
 #include "tools/diagnose/recipe.hpp"
-#include "tools/diagnose/tremor_line.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-/// Below this a line in the spectrum counts as tremor.
-constexpr double kTremorP = 1e-6;
-/// Of the residual's root mean square, its amplitude at least.
-constexpr double kLeastTremor = 0.35;
 /// Bootstrap and jackknife do not see that nature's effect is not quite the library's: real stiction has no
 /// smooth curve. Their 95 % intervals held the truth in 179 of 197 parameters (patella-bench-diagnose, seeds
 /// 106 to 108); so much wider they hold it in 185.
@@ -117,33 +111,6 @@ void addConfoundsBetween(std::vector<EffectFinding>& findings) {
       friction.separating_motion = separatingMotion(friction.kind);
     }
   }
-}
-
-std::optional<EffectFinding> tremorFinding(const Dataset& wide, const Column& left,
-                                           std::span<const EffectFinding> found) {
-  const auto line = findTremorLine(wide, left, kTremorP);
-  // A spring between motor and link rings by itself.
-  const auto rings = [&](const EffectFinding& effect) {
-    return effect.joint == line->joint &&
-           (effect.kind == "transmission_elasticity" || effect.kind == "backlash");
-  };
-  if (!line || std::any_of(found.begin(), found.end(), rings) ||
-      line->amplitude_Nm < kLeastTremor * jointRms(wide, left, line->joint)) {
-    return std::nullopt;
-  }
-  const auto estimate = [](const char* name, double value, double sd) {
-    return ParameterEstimate{.name = name, .value = value, .ci95 = {value - 2.0 * sd, value + 2.0 * sd}};
-  };
-  return EffectFinding{.kind = "tremor",
-                       .joint = line->joint,
-                       .parameters = {estimate("amplitude_Nm", line->amplitude_Nm, line->amplitude_sd_Nm),
-                                      estimate("frequency_Hz", line->frequency_Hz, line->frequency_sd_Hz)},
-                       .p_value = line->p_value,
-                       .gain = -0.5 * std::log(line->p_value),
-                       // A joint with play that is held in place hunts.
-                       .indistinguishable_from = {"backlash"},
-                       .replaces = {},
-                       .separating_motion = "the same posture with the brake on"};
 }
 
 std::string explanation(const Diagnosis& diagnosis, double tolerance) {

@@ -22,11 +22,6 @@ EffectFinding findingOf(const std::string& kind, int joint, std::vector<Paramete
 /// what two levels of friction differ by.
 void addConfoundsBetween(std::vector<EffectFinding>& findings);
 
-/// A tremor whose phase wanders, by its line in what is left of the torque, unless what was found rings by
-/// itself. The model cannot foresee it, so it can be named and not added.
-std::optional<EffectFinding> tremorFinding(const Dataset& wide, const Column& left,
-                                           std::span<const EffectFinding> found);
-
 /// The verdict in a sentence or two. Of its nominal parameters those count as moved that left `tolerance`.
 std::string explanation(const Diagnosis& diagnosis, double tolerance);
 

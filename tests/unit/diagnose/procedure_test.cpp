@@ -153,6 +153,16 @@ TEST_CASE("backlash is found where only a narrow valley leads to it") {
   }
 }
 
+TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
+  for (const std::uint64_t seed : {111000189U, 112000188U}) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis =
+        diagnosed(drawCase(seed, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    REQUIRE(diagnosis.effects.size() == 1);
+    CHECK(diagnosis.effects.front().kind.starts_with("actuator_"));
+  }
+}
+
 TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
   const std::array<std::pair<std::uint64_t, const char*>, 3> cases{
       {{114000199U, "ddq2*q2"}, {112000038U, "activation1*q2"}, {115000018U, "dq2*q2"}}};
