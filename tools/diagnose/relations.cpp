@@ -24,4 +24,9 @@ bool contains(const Recipe& recipe, const Recipe& other) {
          std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
 }
 
+bool approaches(const Recipe& recipe, const Recipe& other) {
+  return recipe.kind == "passive_knee_moment" && other.kind == "linear_stiffness" &&
+         recipe.joint == other.joint;
+}
+
 }  // namespace patella::diagnose

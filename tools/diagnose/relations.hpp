@@ -14,4 +14,8 @@ bool shapesTheSame(const Recipe& one, const Recipe& other);
 /// The other is a special case of the recipe, of another kind or its own.
 bool contains(const Recipe& recipe, const Recipe& other);
 
+/// Whether `recipe` comes as near as one likes to the torque of `other`, without being the same: tissue far
+/// from the ends of its range is a spring.
+bool approaches(const Recipe& recipe, const Recipe& other);
+
 }  // namespace patella::diagnose

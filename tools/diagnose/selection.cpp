@@ -303,8 +303,9 @@ class Selector {
     const auto outdone = [&](const Candidate* rival, const Candidate* other) {
       const double gain = (other->fit->objective - rival->fit->objective) / unit_;
       const double more = parameters(*rival->fit) - parameters(*other->fit);
-      if (contains(*rival->atom->recipe, *other->atom->recipe) ||
-          contains(*other->atom->recipe, *rival->atom->recipe)) {
+      const Recipe& own = *rival->atom->recipe;
+      const Recipe& its = *other->atom->recipe;
+      if (contains(own, its) || contains(its, own) || approaches(own, its)) {
         return gain < kNestedEvidence * more;
       }
       return predicts(*rival) < predicts(*other) - kPredictsLess * unit_;
