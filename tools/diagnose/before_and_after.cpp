@@ -1,5 +1,6 @@
 #include "tools/diagnose/before_and_after.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -33,10 +34,17 @@ void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
   if (total(result.after.heldout_rms_Nm) <= total(result.before.heldout_rms_Nm)) {
     return;
   }
+  // A finding that the model does not hold, such as a tremor whose phase wanders, has made nothing worse.
+  const auto was_added = [&result](const EffectFinding& finding) {
+    return std::any_of(result.extended.effects.begin(), result.extended.effects.end(),
+                       [&](const app::EffectDescription& effect) {
+                         return effect.kind == finding.kind && effect.joint == finding.joint;
+                       });
+  };
+  const bool taken_back = std::erase_if(result.effects, was_added) > 0;
   result.extended = given;
   result.after = result.before;
-  if (!result.effects.empty()) {
-    result.effects.clear();
+  if (taken_back) {
     result.verdict = Verdict::kUnknownEffect;
     result.explanation =
         "What explained the first part of the recording makes the error of the held-out part larger; the "

@@ -163,6 +163,15 @@ TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
   }
 }
 
+TEST_CASE("a tremor that is named only stays so where refitted masses do not hold on other data") {
+  const diagnose::Diagnosis diagnosis =
+      diagnosed(drawCase(120000041, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  CHECK(diagnosis.effects.front().kind == "tremor");
+  CHECK(diagnosis.after.heldout_rms_Nm[0] == diagnosis.before.heldout_rms_Nm[0]);
+}
+
 TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
   const std::array<std::pair<std::uint64_t, const char*>, 3> cases{
       {{114000199U, "ddq2*q2"}, {112000038U, "activation1*q2"}, {115000018U, "dq2*q2"}}};
