@@ -94,7 +94,8 @@ Recipe transmissionElasticity(const Motion& motion) {
 Recipe backlash(const Motion& motion) {
   constexpr double kContact_rad_s = 600.0;
   constexpr double kDampingRatio = 0.3;
-  constexpr double kFinest = 2e-5, kCoarsest = 1.5e-2, kRatio = 1.6;  // of gap times share of inertia, rad
+  constexpr double kFinest = 2e-5, kCoarsest = 1.5e-2;         // of gap times share of inertia, rad
+  constexpr double kSmallestRatio = 1.1, kLargestRatio = 1.6;  // from one of them to the next
   constexpr double kFlightStep_s = 0.012;
   /// Impacts leave bumps this wide.
   constexpr double kStep = 0.05;
@@ -110,7 +111,8 @@ Recipe backlash(const Motion& motion) {
   for (double flight = finest; flight < coarsest;) {
     flights.push_back(flight);
     const double flight_s = std::sqrt(2.0 * std::exp(flight) / motion.torque_rms);
-    flight += std::min(std::log(kRatio), 2.0 * std::log1p(kFlightStep_s / flight_s));
+    flight += std::clamp(2.0 * std::log1p(kFlightStep_s / flight_s), std::log(kSmallestRatio),
+                         std::log(kLargestRatio));
   }
   recipe.grid = product({flights, {std::log(0.04 * inertia), std::log(0.15 * inertia)}});
   recipe.valleys = product({flights, range(std::log(0.02 * inertia), std::log(0.15 * inertia), 0.25)});
