@@ -2,22 +2,15 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <utility>
 
 #include <doctest/doctest.h>
 
-#include "tools/bench/diagnose/cases.hpp"
-#include "tools/diagnose/diagnose.hpp"
+#include "tests/unit/diagnose/diagnosed_case.hpp"
 
 using namespace patella;
 using namespace patella::bench;
 
 namespace {
-
-diagnose::Diagnosis diagnosed(const Case& drawn) {
-  const std::array recordings{drawn.run.recording};
-  return diagnose::diagnose(recordings, {}, drawn.nominal, {});
-}
 
 Case strong(const char* effect, Suite suite = Suite::kSingle) {
   return drawCase(1000001, suite,
@@ -137,52 +130,6 @@ TEST_CASE("a coupling that is most of what is left does not pass for noise becau
   REQUIRE(!diagnosis.unexplained.empty());
   CHECK(diagnosis.unexplained.front().joint == 0);
   CHECK(diagnosis.unexplained.front().variable == "q2");
-}
-
-TEST_CASE("backlash is found where only a narrow valley leads to it") {
-  for (const std::uint64_t seed : {106000076U, 113000001U}) {
-    CAPTURE(seed);
-    const Case drawn = drawCase(seed, seed == 106000076U ? Suite::kDouble : Suite::kSingle,
-                                {.effect = {}, .mechanism = {}, .motion = "multisine"});
-    const diagnose::Diagnosis diagnosis = diagnosed(drawn);
-    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
-    CHECK(std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [](const auto& effect) {
-      return effect.kind == "backlash" && effect.indistinguishable_from.empty();
-    }));
-    CHECK(diagnosis.after.heldout_rms_Nm[0] < 0.7 * diagnosis.refitted.heldout_rms_Nm[0]);
-  }
-}
-
-TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
-  for (const std::uint64_t seed : {111000189U, 112000188U}) {
-    CAPTURE(seed);
-    const diagnose::Diagnosis diagnosis =
-        diagnosed(drawCase(seed, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
-    REQUIRE(diagnosis.effects.size() == 1);
-    CHECK(diagnosis.effects.front().kind.starts_with("actuator_"));
-  }
-}
-
-TEST_CASE("a tremor that is named only stays so where refitted masses do not hold on other data") {
-  const diagnose::Diagnosis diagnosis =
-      diagnosed(drawCase(120000041, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
-  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
-  REQUIRE(diagnosis.effects.size() == 1);
-  CHECK(diagnosis.effects.front().kind == "tremor");
-  CHECK(diagnosis.after.heldout_rms_Nm[0] == diagnosis.before.heldout_rms_Nm[0]);
-}
-
-TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
-  const std::array<std::pair<std::uint64_t, const char*>, 3> cases{
-      {{114000199U, "ddq2*q2"}, {112000038U, "activation1*q2"}, {115000018U, "dq2*q2"}}};
-  for (const auto& [seed, variable] : cases) {
-    CAPTURE(seed);
-    const diagnose::Diagnosis diagnosis =
-        diagnosed(drawCase(seed, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
-    CHECK(diagnosis.verdict == diagnose::Verdict::kUnknownEffect);
-    REQUIRE(!diagnosis.unexplained.empty());
-    CHECK(diagnosis.unexplained.front().variable == variable);
-  }
 }
 
 TEST_CASE("wrong masses are no effect") {
