@@ -1,12 +1,10 @@
 // What a diagnosis says of its effects beyond their parameters, and of itself.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/diagnosis.hpp"
 #include "tools/diagnose/selection.hpp"
 

@@ -91,8 +91,7 @@ void addMuscleStiffness(const Dataset& data, const ModelFit& fit, std::span<cons
   }
 }
 
-// d/dt (I(q) dq) − ½ I′ dq² of I(q) = Δ and Δ², with Δ from the middle of the motion. The constant is a
-// rotor's.
+// d/dt (I(q) dq) − ½ I′ dq² of I(q) = Δ and Δ², with Δ from restPosition(); the constant is a rotor's.
 void addChangingInertia(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
   for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
     const double middle = restPosition(data, fit, joint);
