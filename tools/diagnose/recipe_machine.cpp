@@ -62,6 +62,18 @@ Recipe encoderOffset(const Motion& motion) {
   return recipe;
 }
 
+// Softer than any drive: what asks for it is a torque at one frequency, which a spring that is tuned to it can
+// give, too.
+std::string tooSoft(Numbers parameters) {
+  const auto& catalogued = model::findEffect("transmission_elasticity")->parameters;
+  for (std::size_t p = 0; p < catalogued.size(); ++p) {
+    if (catalogued[p].name == "stiffness_Nm_rad" && parameters[p] <= catalogued[p].minimum) {
+      return std::string(catalogued[p].name);
+    }
+  }
+  return {};
+}
+
 // ν = (resonance of the drive against its spring in rad/s, logarithms of the drive's inertia and of the
 // damping ratio over what is common): from within the band to where the spring could as well be rigid.
 Recipe transmissionElasticity(const Motion& motion) {
@@ -82,6 +94,9 @@ Recipe transmissionElasticity(const Motion& motion) {
         .set("stiffness_Nm_rad", nu[0] * nu[0] * rotor)
         .set("rotor_inertia_kg_m2", rotor)
         .set("damping_Nms_rad", 2.0 * kDampingRatio * std::exp(nu[2]) * nu[0] * rotor);
+  };
+  recipe.beyond = [parameters = recipe.parameters](Numbers c, Numbers nu) {
+    return tooSoft(parameters(c, nu));
   };
   return recipe;
 }

@@ -38,7 +38,7 @@ Recipe linearStiffness(const Motion& motion) {
 Recipe tremor(const Motion& motion) {
   // Finer than the width of a line of this length, which would fall between two points.
   return oscillation("tremor", motion, "frequency_Hz",
-                     range(3.0, std::min(12.0, 0.9 * motion.band_Hz), 0.6 / motion.duration_s));
+                     range(3.0, std::min(12.0, 1.25 * motion.band_Hz), 0.6 / motion.duration_s));
 }
 
 Recipe spasticity(const Motion& motion, double direction) {
@@ -123,7 +123,7 @@ void addPatient(std::string_view kind, const Motion& motion, std::span<const int
     all.push_back(linearStiffness(motion));
   } else if (kind == "passive_knee_moment") {
     all.push_back(passiveKneeMoment(motion));
-  } else if (kind == "tremor" && motion.duration_s > 0.0 && 0.9 * motion.band_Hz > 3.0) {
+  } else if (kind == "tremor" && motion.duration_s > 0.0 && 1.25 * motion.band_Hz > 3.0) {
     all.push_back(tremor(motion));
   } else if (kind == "spasticity") {
     all.push_back(spasticity(motion, 1.0));
