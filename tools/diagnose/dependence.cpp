@@ -165,55 +165,86 @@ constexpr double kWorthASecondLook = 0.1;
 /// Whoever looks twice has two chances to be wrong: the second gets half as much room.
 constexpr double kLevelOfSecondLook = 0.5;
 
+class Tester {
+ public:
+  Tester(const Dataset& data, const ModelFit& fit, int replicates, double family_wise_p, std::uint64_t seed)
+      : data_(data),
+        fit_(fit),
+        nuisance_(nuisance(data)),
+        replicates_(replicates),
+        family_wise_p_(family_wise_p),
+        seed_(seed) {}
+
+  /// Adds what a family of functions shows.
+  void test(const Atoms& atoms) {
+    if (atoms.items.empty()) {
+      return;
+    }
+    const Screening screening(
+        data_, fit_, atoms.items, atoms.columns,
+        {.replicates = replicates_, .seed = seed_, .nuisance = nuisance_, .goes_with_motion = true});
+    const std::vector<double> chance = screening.chance(surprise);
+    double least_p = 1.0;  // of what a second look is for
+    for (const Screened& screened : screening.results()) {
+      const double p_value = exceedance(chance, surprise(screened.gain, screened.dimensions));
+      if (screened.c.size() <= kColumnsOfSecondLook) {
+        least_p = std::min(least_p, p_value);
+      }
+      if (p_value < family_wise_p_) {
+        add(atoms.items[screened.atom], screened, p_value);
+      }
+    }
+    if (ranked_.empty() && least_p < kWorthASecondLook) {
+      const SecondLook again =
+          lookAgain(data_, fit_, atoms, nuisance_, screening, surprise, replicates_, seed_ + 1);
+      if (again.p_value < kLevelOfSecondLook * family_wise_p_) {
+        add(atoms.items[again.screened.atom], again.screened, again.p_value);
+      }
+    }
+  }
+
+  DependenceTest result() && {
+    std::stable_sort(ranked_.begin(), ranked_.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (auto& item : ranked_) {
+      result_.found.push_back(std::move(item.second));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void add(const Atom& atom, const Screened& screened, double p_value) {
+    const auto rows = static_cast<double>(data_.rows());
+    const double beyond_chance =
+        std::max(0.0, screened.gain - screened.dimensions) * screened.raw_gain / screened.gain;
+    const double rms_Nm =
+        std::sqrt(fit_.residual.segment(atom.joint * data_.rows(), data_.rows()).squaredNorm() / rows);
+    ranked_.push_back({surprise(screened.gain, screened.dimensions),
+                       {.joint = atom.joint,
+                        .variable = atom.label,
+                        .explained_Nm = rms_Nm * std::sqrt(std::min(1.0, beyond_chance / rows)),
+                        .p_value = p_value}});
+    result_.largest_gain = std::max(result_.largest_gain, screened.gain - screened.dimensions);
+  }
+
+  const Dataset& data_;
+  const ModelFit& fit_;
+  Eigen::MatrixXd nuisance_;
+  int replicates_;
+  double family_wise_p_;
+  std::uint64_t seed_;
+  std::vector<std::pair<double, Dependence>> ranked_;
+  DependenceTest result_;
+};
+
 }  // namespace
 
 DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                               int replicates, double family_wise_p, std::uint64_t seed) {
-  const Atoms atoms = functionAtoms(data, fit, channels);
-  const Eigen::MatrixXd takes_up = nuisance(data);
-  const Screening screening(
-      data, fit, atoms.items, atoms.columns,
-      {.replicates = replicates, .seed = seed, .nuisance = takes_up, .goes_with_motion = true});
-  const std::vector<double> chance = screening.chance(surprise);
-  DependenceTest test;
-  std::vector<std::pair<double, Dependence>> ranked;
-  const auto add = [&](const Screened& screened, double p_value) {
-    const Atom& atom = atoms.items[screened.atom];
-    const double beyond_chance =
-        std::max(0.0, screened.gain - screened.dimensions) * screened.raw_gain / screened.gain;
-    const double share = beyond_chance / static_cast<double>(data.rows());
-    const double rms_Nm =
-        std::sqrt(fit.residual.segment(atom.joint * data.rows(), data.rows()).squaredNorm() /
-                  static_cast<double>(data.rows()));
-    ranked.push_back({surprise(screened.gain, screened.dimensions),
-                      {.joint = atom.joint,
-                       .variable = atom.label,
-                       .explained_Nm = rms_Nm * std::sqrt(std::min(1.0, share)),
-                       .p_value = p_value}});
-    test.largest_gain = std::max(test.largest_gain, screened.gain - screened.dimensions);
-  };
-  double least_p = 1.0;  // of what a second look is for
-  for (const Screened& screened : screening.results()) {
-    const double p_value = exceedance(chance, surprise(screened.gain, screened.dimensions));
-    if (screened.c.size() <= kColumnsOfSecondLook) {
-      least_p = std::min(least_p, p_value);
-    }
-    if (p_value < family_wise_p) {
-      add(screened, p_value);
-    }
-  }
-  if (ranked.empty() && least_p < kWorthASecondLook) {
-    const SecondLook again = lookAgain(data, fit, atoms, takes_up, screening, surprise, replicates, seed + 1);
-    if (again.p_value < kLevelOfSecondLook * family_wise_p) {
-      add(again.screened, again.p_value);
-    }
-  }
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (auto& item : ranked) {
-    test.found.push_back(std::move(item.second));
-  }
-  return test;
+  Tester tester(data, fit, replicates, family_wise_p, seed);
+  tester.test(functionAtoms(data, fit, channels));
+  tester.test(comingAndGoing(data, fit));
+  return std::move(tester).result();
 }
 
 }  // namespace patella::diagnose

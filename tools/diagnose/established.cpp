@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "tools/diagnose/estimates.hpp"
+#include "tools/diagnose/free_function.hpp"
 #include "tools/diagnose/gates.hpp"
 
 namespace patella::diagnose {
@@ -20,12 +21,22 @@ bool holdsZero(const ParameterEstimate& estimate) {
   return estimate.ci95[0] <= 0.0 && estimate.ci95[1] >= 0.0;
 }
 
-std::optional<std::size_t> notEstablished(const ModelFit& fit, const Eigen::MatrixXd& covariance) {
+// Effects that together are a function of one variable say something even where no parameter of theirs does.
+bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
+  return std::any_of(functions.begin(), functions.end(), [term](const FreeFunction& function) {
+    return std::find(function.terms.begin(), function.terms.end(), term) != function.terms.end();
+  });
+}
+
+std::optional<std::size_t> notEstablished(const Dataset& data, const Selection& selection,
+                                          const Eigen::MatrixXd& covariance) {
+  const ModelFit& fit = selection.fit;
+  const std::vector<FreeFunction> functions = freeFunctions(data, selection);
   const auto found =
       std::count_if(fit.terms.begin(), fit.terms.end(), [](const Term& term) { return !term.declared; });
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     const Term& term = fit.terms[t];
-    if (term.declared) {
+    if (term.declared || isPartOf(functions, t)) {
       continue;
     }
     std::vector<ParameterEstimate> all = estimates(fit, covariance, t);
@@ -54,7 +65,8 @@ std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection
                                                   std::uint64_t seed) {
   std::vector<std::string> dropped;
   while (const auto term =
-             notEstablished(selection.fit, widerCovariance(fitter.data(), selection.fit, replicates, seed))) {
+             notEstablished(fitter.data(), selection,
+                            widerCovariance(fitter.data(), selection.fit, replicates, seed))) {
     dropped.push_back(selection.fit.terms[*term].recipe->label());
     selection = withoutTerm(fitter, selection, *term);
   }

@@ -14,8 +14,8 @@ namespace patella::diagnose {
 Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed);
 
 /// Drops, one by one, effects that are not established: one number whose 95 % interval holds zero, beside
-/// other findings; or one of which no parameter is known to within its tenfold. Returns their
-/// labels.
+/// other findings; or one of which no parameter is known to within its tenfold. Parts of a free function
+/// (freeFunctions()) stay. Returns the labels of what was dropped.
 std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection, int replicates,
                                                   std::uint64_t seed);
 

@@ -128,8 +128,7 @@ std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& se
       if (term.declared || term.recipe->joint != joint) {
         continue;
       }
-      // A constant belongs to any function of the position.
-      if (betrayingVariable(term.recipe->kind) == "q" || term.recipe->kind == "torque_bias") {
+      if (isOfPosition(term.recipe->kind)) {
         of_position.push_back(t);
         bent = bent || bends(data, term);
       } else if (term.recipe->kind == "spasticity") {

@@ -133,4 +133,8 @@ std::string_view betrayingVariable(std::string_view kind) noexcept {
   return found == known.end() ? "dq" : found->second;
 }
 
+bool isOfPosition(std::string_view kind) noexcept {
+  return betrayingVariable(kind) == "q" || kind == "torque_bias";
+}
+
 }  // namespace patella::diagnose

@@ -52,25 +52,41 @@ void addCoupling(const Dataset& data, FunctionAtoms& atoms) {
   }
 }
 
-// k(t) (q − rest), where k swings slowly.
-void addChangingStiffness(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
+// Of a spring's stiffness; none where the recording is too short for any.
+std::vector<double> slowSwings_Hz(const Dataset& data) {
   const double duration_s = data.time_s().maxCoeff() - data.time_s().minCoeff();
   if (data.isStatic() || duration_s * kFastestChange_Hz < 3.0) {
-    return;
+    return {};
   }
   const double slowest_Hz = 1.5 / duration_s;
   const double step_Hz = std::max(0.6 / duration_s, (kFastestChange_Hz - slowest_Hz) / kMostFrequencies);
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const double rest = restPosition(data, fit, joint);
-    for (double frequency_Hz = slowest_Hz; frequency_Hz < kFastestChange_Hz; frequency_Hz += step_Hz) {
-      std::array<Eigen::VectorXd, 2> swings;
-      for (std::size_t k = 0; k < swings.size(); ++k) {
-        swings[k] = data.variable([&](const Series& s, std::size_t i) {
-          const double turns = frequency_Hz * s.states[i].time_s + 0.25 * static_cast<double>(k);
-          return (s.states[i].q[joint] - rest) * std::sin(2.0 * std::numbers::pi * turns);
-        });
-      }
-      atoms.add(fmt::format("q{}*time", joint + 1), joint, swings);
+  std::vector<double> frequencies;
+  for (double frequency_Hz = slowest_Hz; frequency_Hz < kFastestChange_Hz; frequency_Hz += step_Hz) {
+    frequencies.push_back(frequency_Hz);
+  }
+  return frequencies;
+}
+
+// Sine and cosine of time, times what `factor` gives.
+template <typename Factor>
+std::array<Eigen::VectorXd, 2> swings(const Dataset& data, double frequency_Hz, Factor factor) {
+  const auto swing = [&](double phase_turns) {
+    return data.variable([=](const Series& s, std::size_t i) {
+      return factor(s, i) *
+             std::sin(2.0 * std::numbers::pi * (frequency_Hz * s.states[i].time_s + phase_turns));
+    });
+  };
+  return {swing(0.0), swing(0.25)};
+}
+
+// k(t) (q − rest), where k swings slowly.
+void addChangingStiffness(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
+  for (const double frequency_Hz : slowSwings_Hz(data)) {
+    for (int joint = 0; joint < data.joints(); ++joint) {
+      const double rest = restPosition(data, fit, joint);
+      atoms.add(fmt::format("q{}*time", joint + 1), joint,
+                swings(data, frequency_Hz,
+                       [=](const Series& s, std::size_t i) { return s.states[i].q[joint] - rest; }));
     }
   }
 }
@@ -143,6 +159,26 @@ Atoms FunctionAtoms::finished() && {
     atoms.columns.col(static_cast<Eigen::Index>(k)) = columns_[k];
   }
   return atoms;
+}
+
+Atoms comingAndGoing(const Dataset& data, const ModelFit& fit) {
+  FunctionAtoms atoms(data);
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    if (std::none_of(fit.terms.begin(), fit.terms.end(), [joint](const Term& term) {
+          return !term.declared && term.recipe->joint == joint && isOfPosition(term.recipe->kind);
+        })) {
+      continue;
+    }
+    for (const double frequency_Hz : slowSwings_Hz(data)) {
+      const auto constant =
+          swings(data, frequency_Hz, [](const Series&, std::size_t) { return 1.0; });
+      const auto position =
+          swings(data, frequency_Hz, [=](const Series& s, std::size_t i) { return s.states[i].q[joint]; });
+      const std::array<Eigen::VectorXd, 4> all = {constant[0], constant[1], position[0], position[1]};
+      atoms.add(fmt::format("q{}*time", joint + 1), joint, all);
+    }
+  }
+  return std::move(atoms).finished();
 }
 
 void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,

@@ -30,4 +30,8 @@ class FunctionAtoms {
 void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                   FunctionAtoms& atoms);
 
+/// A spring about any rest that comes and goes, on the joints where something of the position was found: its
+/// mean passes for that.
+Atoms comingAndGoing(const Dataset& data, const ModelFit& fit);
+
 }  // namespace patella::diagnose
