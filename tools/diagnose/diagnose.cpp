@@ -111,7 +111,7 @@ class Procedure {
     report("unexplained", 0.0);
     const DependenceTest dependence =
         testDependence(*train_, last.fitter->onWholeTorque(last.selection.fit), channels_,
-                       2 * options_.bootstrap_replicates, options_.family_wise_p, options_.seed + 104729);
+                       4 * options_.bootstrap_replicates, options_.family_wise_p, options_.seed + 104729);
     decide(*last.fitter, first.nominal, last.selection, dependence);
     compareRecordings(last.selection.fit);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);

@@ -79,18 +79,6 @@ std::array<Eigen::VectorXd, 2> swings(const Dataset& data, double frequency_Hz, 
   return {swing(0.0), swing(0.25)};
 }
 
-// k(t) (q − rest), where k swings slowly.
-void addChangingStiffness(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
-  for (const double frequency_Hz : slowSwings_Hz(data)) {
-    for (int joint = 0; joint < data.joints(); ++joint) {
-      const double rest = restPosition(data, fit, joint);
-      atoms.add(fmt::format("q{}*time", joint + 1), joint,
-                swings(data, frequency_Hz,
-                       [=](const Series& s, std::size_t i) { return s.states[i].q[joint] - rest; }));
-    }
-  }
-}
-
 // a (q − rest) of an activation a: a muscle is stiffer the more it is active (Hogan, IEEE Trans. Automatic
 // Control 29(8), 1984).
 void addMuscleStiffness(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
@@ -161,33 +149,36 @@ Atoms FunctionAtoms::finished() && {
   return atoms;
 }
 
-Atoms comingAndGoing(const Dataset& data, const ModelFit& fit) {
-  FunctionAtoms atoms(data);
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    if (std::none_of(fit.terms.begin(), fit.terms.end(), [joint](const Term& term) {
-          return !term.declared && term.recipe->joint == joint && isOfPosition(term.recipe->kind);
-        })) {
-      continue;
-    }
-    for (const double frequency_Hz : slowSwings_Hz(data)) {
-      const auto constant =
-          swings(data, frequency_Hz, [](const Series&, std::size_t) { return 1.0; });
-      const auto position =
-          swings(data, frequency_Hz, [=](const Series& s, std::size_t i) { return s.states[i].q[joint]; });
-      const std::array<Eigen::VectorXd, 4> all = {constant[0], constant[1], position[0], position[1]};
-      atoms.add(fmt::format("q{}*time", joint + 1), joint, all);
-    }
-  }
-  return std::move(atoms).finished();
-}
-
 void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                   FunctionAtoms& atoms) {
   addCoupling(data, atoms);
-  addChangingStiffness(data, fit, atoms);
   addMuscleStiffness(data, fit, channels, atoms);
   addChangingInertia(data, fit, atoms);
   addDrag(data, atoms);
+}
+
+// k(t) (q − rest) where k swings: about the rest of restPosition(); and about any, which takes a swing by
+// itself beside one that goes with the position.
+Atoms changingStiffness(const Dataset& data, const ModelFit& fit) {
+  FunctionAtoms atoms(data);
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const std::string label = fmt::format("q{}*time", joint + 1);
+    const double rest = restPosition(data, fit, joint);
+    const bool has_mean = std::any_of(fit.terms.begin(), fit.terms.end(), [joint](const Term& term) {
+      return !term.declared && term.recipe->joint == joint && isOfPosition(term.recipe->kind);
+    });
+    for (const double frequency_Hz : slowSwings_Hz(data)) {
+      const auto position = swings(data, frequency_Hz, [=](const Series& s, std::size_t i) {
+        return s.states[i].q[joint] - rest;
+      });
+      atoms.add(label, joint, position);
+      if (has_mean) {
+        const auto alone = swings(data, frequency_Hz, [](const Series&, std::size_t) { return 1.0; });
+        atoms.add(label, joint, std::array{position[0], position[1], alone[0], alone[1]});
+      }
+    }
+  }
+  return std::move(atoms).finished();
 }
 
 }  // namespace patella::diagnose

@@ -25,13 +25,13 @@ class FunctionAtoms {
   std::vector<Eigen::VectorXd> columns_;
 };
 
-/// A muscle or a strap over two joints; stiffness that comes and goes, or that a muscle brings with it; an
-/// inertia that depends on posture; drag.
+/// A muscle or a strap over two joints; stiffness that a muscle brings with it; an inertia that depends on
+/// posture; drag.
 void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                   FunctionAtoms& atoms);
 
-/// A spring about any rest that comes and goes, on the joints where something of the position was found: its
-/// mean passes for that.
-Atoms comingAndGoing(const Dataset& data, const ModelFit& fit);
+/// A spring whose stiffness comes and goes; about any rest on the joints where something of the position was
+/// found, for which its mean may pass.
+Atoms changingStiffness(const Dataset& data, const ModelFit& fit);
 
 }  // namespace patella::diagnose
