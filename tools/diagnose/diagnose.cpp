@@ -36,6 +36,8 @@ namespace {
 /// behind the named effects, before what was found is called unknown. Likelihood alone would call any misfit
 /// of a recording without noise unknown.
 constexpr double kUnknownShare = 0.05;
+/// Of the torque alone, a share that nobody would call a misfit.
+constexpr double kUnknownTorque = 0.2;
 
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
@@ -288,10 +290,11 @@ class Procedure {
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
     const double explained = selection.fit.weighting->objective(missing) -
                              selection.fit.weighting->objective(selection.fit.residual);
+    const bool likely = dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain);
     const bool unexplained =
-        dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain) &&
         std::any_of(dependence.found.begin(), dependence.found.end(), [&](const Dependence& found) {
-          return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint);
+          return found.explained_Nm >
+                 (likely ? kUnknownShare : kUnknownTorque) * jointRms(*train_, missing, found.joint);
         });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
