@@ -37,11 +37,12 @@ std::string separatingMotion(std::string_view kind) {
 }
 
 void addConfounds(EffectFinding& finding, int joints) {
-  if (finding.kind == "asymmetric_friction") {
+  const auto& known = finding.indistinguishable_from;
+  const bool plain = std::find(known.begin(), known.end(), "coulomb_friction+viscous_friction") != known.end();
+  if (finding.kind == "asymmetric_friction" && !plain) {
     finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
   }
   // A spring too stiff to show.
-  const auto& known = finding.indistinguishable_from;
   if (finding.kind == "rotor_inertia" &&
       std::find(known.begin(), known.end(), "transmission_elasticity") == known.end()) {
     finding.indistinguishable_from.emplace_back("transmission_elasticity");

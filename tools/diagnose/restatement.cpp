@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -35,6 +36,7 @@ class Restatement {
     restateFriction();
     while (simplify()) {
     }
+    findPlainFriction();
   }
 
  private:
@@ -165,6 +167,29 @@ class Restatement {
       }
       if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
         take(std::move(*best), p_value);
+      }
+    }
+  }
+
+  // Friction of two levels and two dampings that are not worth their number may as well be dry and viscous
+  // friction: two effects, which no single rival is.
+  void findPlainFriction() {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() <= 2) {
+        continue;
+      }
+      std::optional<ModelFit> plain = withoutTerm(selection_.fit, t);
+      for (const std::string_view kind : {"coulomb_friction", "viscous_friction"}) {
+        const auto simple = std::find_if(atoms_.items.begin(), atoms_.items.end(), [&](const Atom& atom) {
+          return atom.recipe->kind == kind && atom.recipe->joint == term.recipe->joint &&
+                 atom.recipe->nonlinear.empty();
+        });
+        plain = plain && simple != atoms_.items.end() ? added(*plain, *simple, simple->nu) : std::nullopt;
+      }
+      if (plain && plain->at_edge.empty() && worth(*plain) < worth(selection_.fit)) {
+        selection_.evidence[t].rivals.push_back("coulomb_friction+viscous_friction@" +
+                                                std::to_string(term.recipe->joint + 1));
       }
     }
   }

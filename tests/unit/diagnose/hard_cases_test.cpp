@@ -35,6 +35,25 @@ TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
   }
 }
 
+TEST_CASE("a tremor beyond the motion's band is no drive with a soft spring") {
+  for (const std::uint64_t seed : {119000169U, 120000180U}) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis =
+        diagnosed(drawCase(seed, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+    REQUIRE(diagnosis.effects.size() == 1);
+    CHECK(diagnosis.effects.front().kind == "tremor");
+  }
+}
+
+TEST_CASE("a joint that sticks near rest has no late drive") {
+  const diagnose::Diagnosis diagnosis =
+      diagnosed(drawCase(117000123, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  REQUIRE(!diagnosis.effects.empty());
+  CHECK(std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                     [](const auto& effect) { return effect.kind.starts_with("actuator_"); }));
+}
+
 TEST_CASE("a tremor that is named only stays so where refitted masses do not hold on other data") {
   const diagnose::Diagnosis diagnosis =
       diagnosed(drawCase(120000041, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
@@ -45,8 +64,12 @@ TEST_CASE("a tremor that is named only stays so where refitted masses do not hol
 }
 
 TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
-  const std::array<std::pair<std::uint64_t, const char*>, 3> cases{
-      {{114000199U, "ddq2*q2"}, {112000038U, "activation1*q2"}, {115000018U, "dq2*q2"}}};
+  const std::array<std::pair<std::uint64_t, const char*>, 6> cases{{{114000199U, "ddq2*q2"},
+                                                                    {112000038U, "activation1*q2"},
+                                                                    {115000018U, "dq2*q2"},
+                                                                    {119000057U, "q1*time"},
+                                                                    {117000178U, "q1"},
+                                                                    {120000059U, "ddq2*q2"}}};
   for (const auto& [seed, variable] : cases) {
     CAPTURE(seed);
     const diagnose::Diagnosis diagnosis =

@@ -119,6 +119,16 @@ Outcome outcomeOf(const Truth& truth, const Diagnosis& diagnosis, const Score& s
                                   : Outcome::kLargerSet;
 }
 
+// A finding of dry friction alone leaves damping to the effect that the model declares for it.
+bool keptByDeclared(const Diagnosis& diagnosis, const EffectFinding& finding,
+                    const diagnose::ParameterEstimate& estimate) {
+  return estimate.ci95[0] == estimate.ci95[1] && estimate.name.ends_with("_Nms_rad") &&
+         std::any_of(diagnosis.extended.effects.begin(), diagnosis.extended.effects.end(),
+                     [&](const app::EffectDescription& effect) {
+                       return effect.kind == "viscous_friction" && effect.joint == finding.joint;
+                     });
+}
+
 void compareParameters(const Truth& truth, const Diagnosis& diagnosis, Score& score) {
   for (const TrueFinding& effect : truth.effects) {
     for (const EffectFinding& finding : diagnosis.effects) {
@@ -126,7 +136,8 @@ void compareParameters(const Truth& truth, const Diagnosis& diagnosis, Score& sc
         continue;
       }
       for (const NamedValue& parameter : effect.parameters) {
-        if (const auto* estimate = parameterOf(finding, parameter.name)) {
+        const auto* estimate = parameterOf(finding, parameter.name);
+        if (estimate != nullptr && !keptByDeclared(diagnosis, finding, *estimate)) {
           score.parameters.push_back({.name = effect.kind + "." + parameter.name,
                                       .truth = parameter.value,
                                       .estimate = estimate->value,

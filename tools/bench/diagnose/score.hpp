@@ -14,9 +14,9 @@
 //   strongest names a variable that the true torque depends on. "ddq1*q2" names both. For effects of the
 //   library it is asked for where they were called unknown. Effects that masses, centres of mass and inertias
 //   could take the place of are counted apart: naming them, naming a set with them and refitting them away
-//   are all right. Parameters are compared where the finding's own kind is true. Held-out error counts
-//   against the noise that the simulator knows of, in the same band, joints together as root mean square of
-//   the ratios.
+//   are all right. Parameters are compared where the finding's own kind is true, but for damping that a dry
+//   friction leaves to the effect that the model declares for it. Held-out error counts against the noise
+//   that the simulator knows of, in the same band, joints together as root mean square of the ratios.
 #pragma once
 
 #include <array>
