@@ -21,27 +21,12 @@ constexpr double kUndisturbed = 0.05;
 /// Of the square of what is left, what the delay has to explain at least. The noise of fast motion is known
 /// less well than the tests suppose.
 constexpr double kMaterial = 0.05;
-/// Of its root mean square, the velocity above which a joint is well under way.
-constexpr double kUnderWay = 0.5;
 
 bool undisturbed(const Dataset& data, const app::ModelDescription& explained, int joint) {
   model::DynamicsModel dynamics = app::makeModel(explained);
   const Column torque = data.driveTorque();
   return jointRms(data, torque - data.modelTorque(dynamics), joint) <
          kUndisturbed * jointRms(data, torque, joint);
-}
-
-// Whether a delay explains as much of what is left while the joint is well under way. Near rest friction holds
-// on and lets go in its own time, and what no smooth friction follows there passes for a late drive.
-bool explainsUnderWay(const Dataset& data, const Column& without, const Column& with, int joint) {
-  const Eigen::ArrayXd velocity =
-      data.variable([joint](const Series& s, std::size_t i) { return s.states[i].dq[joint]; }).array();
-  const Eigen::ArrayXd counts =
-      (velocity.abs() > kUnderWay * std::sqrt(velocity.square().mean())).cast<double>();
-  const auto sum = [&](const Column& residual) {
-    return (counts * residual.segment(joint * data.rows(), data.rows()).array().square()).sum();
-  };
-  return sum(with) < (1.0 - kMaterial) * sum(without);
 }
 
 // Of fast motion little is sinusoids; and what a controller answers is little here.
@@ -90,8 +75,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
     }
     const Term& term = found.fit.terms.back();
     if (jointRms(data, found.fit.residual, joint) >
-            std::sqrt(1.0 - kMaterial) * jointRms(data, nominal.residual, joint) ||
-        !explainsUnderWay(data, nominal.residual, found.fit.residual, joint)) {
+        std::sqrt(1.0 - kMaterial) * jointRms(data, nominal.residual, joint)) {
       continue;
     }
     const Eigen::MatrixXd covariance =

@@ -1,8 +1,6 @@
 #include "tools/diagnose/relations.hpp"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 namespace patella::diagnose {
 
@@ -18,16 +16,6 @@ bool shapesTheSame(const Recipe& one, const Recipe& other) {
            (recipe.kind == "coulomb_friction" && !recipe.nonlinear.empty());
   };
   return one.joint == other.joint && bends(one) && bends(other);
-}
-
-bool rubTheSame(const Recipe& one, const Recipe& other) {
-  constexpr std::array<std::string_view, 5> kDry{"coulomb_friction", "asymmetric_friction",
-                                                 "stribeck_friction", "load_dependent_friction",
-                                                 "presliding_hysteresis"};
-  const auto is_dry = [&](const Recipe& recipe) {
-    return std::find(kDry.begin(), kDry.end(), recipe.kind) != kDry.end();
-  };
-  return one.joint == other.joint && is_dry(one) && is_dry(other);
 }
 
 bool contains(const Recipe& recipe, const Recipe& other) {

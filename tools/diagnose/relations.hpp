@@ -8,9 +8,6 @@ namespace patella::diagnose {
 /// The same but for coefficients that were left out.
 bool isSame(const Recipe& found, const Recipe& recipe);
 
-/// Both are dry friction of one joint.
-bool rubTheSame(const Recipe& one, const Recipe& other);
-
 /// Both bend the dry friction of a joint near rest: once is enough.
 bool shapesTheSame(const Recipe& one, const Recipe& other);
 

@@ -39,9 +39,6 @@ constexpr double kNestedEvidence = 3.84;
 /// Of the mean square that is left of a joint's torque, what an effect has to explain: less is nothing that
 /// anyone would miss, however sure it is.
 constexpr double kLeastShare = 0.03;
-/// Of what a joint's dry friction explains, what a second kind of it has to: no equation has a real one's shape
-/// near rest.
-constexpr double kSecondFriction = 0.1;
 /// Squared standard deviations. Damping that the model declares, or its masses, may have moved to make up for
 /// what is missing, so that little is left to explain.
 constexpr double kMaterialRelief = 4.0;
@@ -174,9 +171,6 @@ class Selector {
         reliefOf(*candidate.fit) < kMaterialRelief) {
       return "too little";
     }
-    if (options_.gates.share && isMisfitOfFriction(candidate)) {
-      return "too little";
-    }
     if (options_.gates.chance && p_value >= options_.family_wise_p) {
       return "chance";
     }
@@ -193,19 +187,6 @@ class Selector {
       return "stability";
     }
     return {};
-  }
-
-  // What a second kind of dry friction makes of the shape of the first.
-  bool isMisfitOfFriction(const Candidate& candidate) const {
-    const Recipe& recipe = *candidate.atom->recipe;
-    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
-      const Term& term = result_.fit.terms[t];
-      if (!term.declared && rubTheSame(recipe, *term.recipe) && !replaces(recipe, term) &&
-          candidate.gain < kSecondFriction * result_.evidence[t].gain) {
-        return true;
-      }
-    }
-    return false;
   }
 
   // Evidence follows its term; what the new one replaced goes.

@@ -46,21 +46,13 @@ TEST_CASE("a tremor beyond the motion's band is no drive with a soft spring") {
   }
 }
 
-TEST_CASE("a joint that sticks near rest has no late drive") {
-  const diagnose::Diagnosis diagnosis =
-      diagnosed(drawCase(117000123, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
-  REQUIRE(!diagnosis.effects.empty());
-  CHECK(std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(),
-                     [](const auto& effect) { return effect.kind.starts_with("actuator_"); }));
-}
-
-TEST_CASE("a tremor that is named only stays so where refitted masses do not hold on other data") {
+TEST_CASE("a tremor whose phase wanders is named, and makes nothing worse on other data") {
   const diagnose::Diagnosis diagnosis =
       diagnosed(drawCase(120000041, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
   REQUIRE(diagnosis.effects.size() == 1);
   CHECK(diagnosis.effects.front().kind == "tremor");
-  CHECK(diagnosis.after.heldout_rms_Nm[0] == diagnosis.before.heldout_rms_Nm[0]);
+  CHECK(diagnosis.after.heldout_rms_Nm[0] <= diagnosis.before.heldout_rms_Nm[0]);
 }
 
 TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
