@@ -172,11 +172,7 @@ constexpr double kShareOfSwings = 0.3;
 class Tester {
  public:
   Tester(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed)
-      : data_(data),
-        fit_(fit),
-        nuisance_(nuisance(data)),
-        replicates_(replicates),
-        seed_(seed) {}
+      : data_(data), fit_(fit), nuisance_(nuisance(data)), replicates_(replicates), seed_(seed) {}
 
   /// Adds what a family of functions shows that chance would in so many recordings.
   void test(const Atoms& atoms, double family_wise_p) {

@@ -64,9 +64,8 @@ Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int re
 std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection, int replicates,
                                                   std::uint64_t seed) {
   std::vector<std::string> dropped;
-  while (const auto term =
-             notEstablished(fitter.data(), selection,
-                            widerCovariance(fitter.data(), selection.fit, replicates, seed))) {
+  while (const auto term = notEstablished(fitter.data(), selection,
+                                          widerCovariance(fitter.data(), selection.fit, replicates, seed))) {
     dropped.push_back(selection.fit.terms[*term].recipe->label());
     selection = withoutTerm(fitter, selection, *term);
   }

@@ -38,7 +38,8 @@ std::string separatingMotion(std::string_view kind) {
 
 void addConfounds(EffectFinding& finding, int joints) {
   const auto& known = finding.indistinguishable_from;
-  const bool plain = std::find(known.begin(), known.end(), "coulomb_friction+viscous_friction") != known.end();
+  const bool plain =
+      std::find(known.begin(), known.end(), "coulomb_friction+viscous_friction") != known.end();
   if (finding.kind == "asymmetric_friction" && !plain) {
     finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
   }

@@ -62,8 +62,8 @@ Recipe encoderOffset(const Motion& motion) {
   return recipe;
 }
 
-// Softer than any drive: what asks for it is a torque at one frequency, which a spring that is tuned to it can
-// give, too.
+// Softer than any drive: what asks for it is a torque at one frequency, which a spring that is tuned to it
+// can give, too.
 std::string tooSoft(Numbers parameters) {
   const auto& catalogued = model::findEffect("transmission_elasticity")->parameters;
   for (std::size_t p = 0; p < catalogued.size(); ++p) {

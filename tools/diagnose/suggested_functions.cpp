@@ -168,9 +168,8 @@ Atoms changingStiffness(const Dataset& data, const ModelFit& fit) {
       return !term.declared && term.recipe->joint == joint && isOfPosition(term.recipe->kind);
     });
     for (const double frequency_Hz : slowSwings_Hz(data)) {
-      const auto position = swings(data, frequency_Hz, [=](const Series& s, std::size_t i) {
-        return s.states[i].q[joint] - rest;
-      });
+      const auto position = swings(
+          data, frequency_Hz, [=](const Series& s, std::size_t i) { return s.states[i].q[joint] - rest; });
       atoms.add(label, joint, position);
       if (has_mean) {
         const auto alone = swings(data, frequency_Hz, [](const Series&, std::size_t) { return 1.0; });
