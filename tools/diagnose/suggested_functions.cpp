@@ -125,6 +125,29 @@ void addDrag(const Dataset& data, FunctionAtoms& atoms) {
   }
 }
 
+// A stop or a strap that the joint reaches now and then, beyond a position which it seldom passes: knots lie
+// too far apart to show it.
+void addStops(const Dataset& data, FunctionAtoms& atoms) {
+  constexpr std::array kBeyond{0.1, 0.03, 0.01, 0.003};
+  for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
+    std::vector<double> positions;
+    for (const Series& series : data.series()) {
+      for (const auto& state : series.states) {
+        positions.push_back(state.q[joint]);
+      }
+    }
+    for (const double share : kBeyond) {
+      for (const double side : {-1.0, 1.0}) {
+        const double from = offline::quantile(positions, side > 0.0 ? 1.0 - share : share);
+        const Eigen::VectorXd pressed = data.variable([=](const Series& s, std::size_t i) {
+          return std::max(0.0, side * (s.states[i].q[joint] - from));
+        });
+        atoms.add(fmt::format("q{}", joint + 1), joint, std::span(&pressed, 1));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void FunctionAtoms::add(const std::string& label, int joint, std::span<const Eigen::VectorXd> functions) {
@@ -155,6 +178,7 @@ void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int>
   addMuscleStiffness(data, fit, channels, atoms);
   addChangingInertia(data, fit, atoms);
   addDrag(data, atoms);
+  addStops(data, atoms);
 }
 
 // k(t) (q − rest) where k swings: about the rest of restPosition(); and about any, which takes a swing by
