@@ -35,10 +35,18 @@ Recipe linearStiffness(const Motion& motion) {
   return recipe;
 }
 
+constexpr double kSlowestTremor_Hz = 3.0;
+
+// Above the band's edge little is left of a line, but what is left is as much a line.
+double fastestTremor_Hz(const Motion& motion) {
+  constexpr double kBeyondEdge = 1.25;
+  return std::min(12.0, kBeyondEdge * motion.band_Hz);
+}
+
 Recipe tremor(const Motion& motion) {
   // Finer than the width of a line of this length, which would fall between two points.
   return oscillation("tremor", motion, "frequency_Hz",
-                     range(3.0, std::min(12.0, 1.25 * motion.band_Hz), 0.6 / motion.duration_s));
+                     range(kSlowestTremor_Hz, fastestTremor_Hz(motion), 0.6 / motion.duration_s));
 }
 
 Recipe spasticity(const Motion& motion, double direction) {
@@ -123,7 +131,7 @@ void addPatient(std::string_view kind, const Motion& motion, std::span<const int
     all.push_back(linearStiffness(motion));
   } else if (kind == "passive_knee_moment") {
     all.push_back(passiveKneeMoment(motion));
-  } else if (kind == "tremor" && motion.duration_s > 0.0 && 1.25 * motion.band_Hz > 3.0) {
+  } else if (kind == "tremor" && motion.duration_s > 0.0 && fastestTremor_Hz(motion) > kSlowestTremor_Hz) {
     all.push_back(tremor(motion));
   } else if (kind == "spasticity") {
     all.push_back(spasticity(motion, 1.0));
