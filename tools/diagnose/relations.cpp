@@ -18,6 +18,13 @@ bool shapesTheSame(const Recipe& one, const Recipe& other) {
   return one.joint == other.joint && bends(one) && bends(other);
 }
 
+bool areLate(const Recipe& one, const Recipe& other) {
+  const auto is_late = [](const Recipe& recipe) {
+    return recipe.kind == "actuator_delay" || recipe.kind == "actuator_lag";
+  };
+  return one.joint == other.joint && is_late(one) && is_late(other);
+}
+
 bool contains(const Recipe& recipe, const Recipe& other) {
   // What has a shape of its own is no special case.
   return other.joint == recipe.joint && other.nonlinear.empty() &&

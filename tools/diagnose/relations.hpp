@@ -11,6 +11,9 @@ bool isSame(const Recipe& found, const Recipe& recipe);
 /// Both bend the dry friction of a joint near rest: once is enough.
 bool shapesTheSame(const Recipe& one, const Recipe& other);
 
+/// Both are a drive that is late, of one joint.
+bool areLate(const Recipe& one, const Recipe& other);
+
 /// The other is a special case of the recipe, of another kind or its own.
 bool contains(const Recipe& recipe, const Recipe& other);
 

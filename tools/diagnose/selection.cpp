@@ -33,6 +33,9 @@ constexpr double kAsWell = 2.7;
 /// The same as a share of what was found explains: where that is much, small faults of any model, which grow
 /// with it, count for more than noise.
 constexpr double kNoDifference = 0.005;
+/// The same for a delay and a lag of one drive, which real ones have a little of both: four standard
+/// deviations.
+constexpr double kSameTiming = 16.0;
 /// An effect that contains another always explains as much. It is a rival only where each parameter that it
 /// has beyond the other explains more than one in twenty would by chance.
 constexpr double kNestedEvidence = 3.84;
@@ -262,7 +265,10 @@ class Selector {
             (rivalMargin(candidate, smaller) > full_margin - kRivalMargin ||
              candidate.fit->objective <
                  result_.fit.objective +
-                     std::max(kAsWell, kNoDifference * result_.evidence[t].gain) * unit_) &&
+                     std::max((areLate(*candidate.atom->recipe, *result_.fit.terms[t].recipe) ? kSameTiming
+                                                                                              : kAsWell),
+                              kNoDifference * result_.evidence[t].gain) *
+                         unit_) &&
             !decidedByNesting(candidate, smaller, t)) {
           rivals.push_back(&candidate);
         } else if (candidate.fit && isNearlyAll(candidate, smaller, t)) {
