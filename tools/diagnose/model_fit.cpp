@@ -192,12 +192,12 @@ app::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logar
 }
 
 Eigen::MatrixXd ModelFitter::shift(int joint, double angle_rad) {
-  return cached(fmt::format("shift {} {}", joint, angle_rad), [&] {
-    JointVector offset_rad = JointVector::Zero(data_->joints());
-    offset_rad[joint] = angle_rad;
+  auto found = shifts_.find(joint);
+  if (found == shifts_.end()) {
     const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
-    return Eigen::MatrixXd(data_->regressor(dynamics.mechanism(), offset_rad) - regressor_);
-  });
+    found = shifts_.emplace(joint, AngleShift(*data_, dynamics.mechanism(), joint)).first;
+  }
+  return found->second.at(angle_rad);
 }
 
 Eigen::MatrixXd ModelFitter::regressorOf(const ModelFit& fit) {

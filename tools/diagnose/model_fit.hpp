@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/angle_shift.hpp"
 #include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/edges.hpp"
 #include "tools/diagnose/noise_model.hpp"
@@ -118,6 +119,7 @@ class ModelFitter {
   double prior_scale_ = 1.0;
   std::vector<app::EffectDescription> fixed_;  ///< declared effects that are kept as they are
   std::map<std::string, Eigen::MatrixXd> cache_;
+  std::map<int, AngleShift> shifts_;  ///< by joint, once one is asked for
 };
 
 }  // namespace patella::diagnose
