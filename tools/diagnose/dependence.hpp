@@ -17,8 +17,8 @@ struct DependenceTest {
 
 /// Tests piecewise linear functions of each joint's position, velocity, acceleration, of EMG activation, time
 /// (at rest: of the order of the postures) and of some products, and the functions of addSuggested() and
-/// changingStiffness(), for each joint's residual; family-wise over all of them by a bootstrap of the
-/// smallest p.
+/// changingStiffness(), for each joint's residual; family-wise by a bootstrap of the smallest p. The last are
+/// a family of their own, which shares the level with the rest.
 DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                               int replicates, double family_wise_p, std::uint64_t seed);
 

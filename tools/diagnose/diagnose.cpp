@@ -275,7 +275,7 @@ class Procedure {
         result_.effects.back().replaces.push_back(replaced.recipe->kind);
       }
       for (const FreeFunction& function : free) {
-        if (std::find(function.terms.begin(), function.terms.end(), t) != function.terms.end()) {
+        if (function.holds(t)) {
           result_.effects.back().indistinguishable_from.push_back("any function of " +
                                                                   function.dependence.variable);
         }

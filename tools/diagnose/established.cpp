@@ -23,9 +23,8 @@ bool holdsZero(const ParameterEstimate& estimate) {
 
 // Effects that together are a function of one variable say something even where no parameter of theirs does.
 bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
-  return std::any_of(functions.begin(), functions.end(), [term](const FreeFunction& function) {
-    return std::find(function.terms.begin(), function.terms.end(), term) != function.terms.end();
-  });
+  return std::any_of(functions.begin(), functions.end(),
+                     [term](const FreeFunction& function) { return function.holds(term); });
 }
 
 std::optional<std::size_t> notEstablished(const Dataset& data, const Selection& selection,

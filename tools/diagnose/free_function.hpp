@@ -1,6 +1,7 @@
 // Named effects that together bend like any function of one variable, and so name nothing.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace patella::diagnose {
 struct FreeFunction {
   std::vector<std::size_t> terms;  ///< of the selection's fit
   Dependence dependence;           ///< on which variable, and how much of the torque it is
+
+  bool holds(std::size_t term) const { return std::find(terms.begin(), terms.end(), term) != terms.end(); }
 };
 
 /// On one joint: a ripple of fewer cycles than make a period plain beside another torque of position, where a

@@ -11,11 +11,18 @@
 using namespace patella;
 using namespace patella::bench;
 
+namespace {
+
+Case multisine(std::uint64_t seed, Suite suite) {
+  return drawCase(seed, suite, {.effect = {}, .mechanism = {}, .motion = "multisine"});
+}
+
+}  // namespace
+
 TEST_CASE("backlash is found where only a narrow valley leads to it") {
   for (const std::uint64_t seed : {106000076U, 113000001U}) {
     CAPTURE(seed);
-    const Case drawn = drawCase(seed, seed == 106000076U ? Suite::kDouble : Suite::kSingle,
-                                {.effect = {}, .mechanism = {}, .motion = "multisine"});
+    const Case drawn = multisine(seed, seed == 106000076U ? Suite::kDouble : Suite::kSingle);
     const diagnose::Diagnosis diagnosis = diagnosed(drawn);
     CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
     CHECK(std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [](const auto& effect) {
@@ -28,8 +35,7 @@ TEST_CASE("backlash is found where only a narrow valley leads to it") {
 TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
   for (const std::uint64_t seed : {111000189U, 112000188U}) {
     CAPTURE(seed);
-    const diagnose::Diagnosis diagnosis =
-        diagnosed(drawCase(seed, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    const diagnose::Diagnosis diagnosis = diagnosed(multisine(seed, Suite::kSingle));
     REQUIRE(diagnosis.effects.size() == 1);
     CHECK(diagnosis.effects.front().kind.starts_with("actuator_"));
   }
@@ -38,8 +44,7 @@ TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
 TEST_CASE("a tremor beyond the motion's band is no drive with a soft spring") {
   for (const std::uint64_t seed : {119000169U, 120000180U}) {
     CAPTURE(seed);
-    const diagnose::Diagnosis diagnosis =
-        diagnosed(drawCase(seed, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    const diagnose::Diagnosis diagnosis = diagnosed(multisine(seed, Suite::kSingle));
     CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
     REQUIRE(diagnosis.effects.size() == 1);
     CHECK(diagnosis.effects.front().kind == "tremor");
@@ -47,8 +52,7 @@ TEST_CASE("a tremor beyond the motion's band is no drive with a soft spring") {
 }
 
 TEST_CASE("a tremor whose phase wanders is named, and makes nothing worse on other data") {
-  const diagnose::Diagnosis diagnosis =
-      diagnosed(drawCase(120000041, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(120000041, Suite::kSingle));
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
   REQUIRE(diagnosis.effects.size() == 1);
   CHECK(diagnosis.effects.front().kind == "tremor");
@@ -65,8 +69,7 @@ TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gi
                                                                     {124000037U, "q2"}}};
   for (const auto& [seed, variable] : cases) {
     CAPTURE(seed);
-    const diagnose::Diagnosis diagnosis =
-        diagnosed(drawCase(seed, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
+    const diagnose::Diagnosis diagnosis = diagnosed(multisine(seed, Suite::kUnknown));
     CHECK(diagnosis.verdict == diagnose::Verdict::kUnknownEffect);
     REQUIRE(!diagnosis.unexplained.empty());
     CHECK(diagnosis.unexplained.front().variable == variable);
