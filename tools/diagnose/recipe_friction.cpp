@@ -44,8 +44,8 @@ Recipe stribeckFriction(const Motion& motion, double smoothing) {
   recipe.contains = {"stribeck_friction", "coulomb_friction"};
   const double rms = motion.velocity_rms;
   // Faster than that, a peak at rest is how the measured velocity turns round and not how the joint rubs.
-  recipe.nonlinear = {{.lower = 0.045 * rms, .upper = 1.0 * rms, .closed_below = true}};
-  recipe.grid = product({{0.06 * rms, 0.15 * rms, 0.35 * rms}});
+  recipe.nonlinear = {{.lower = 0.02 * rms, .upper = 1.0 * rms, .closed_below = true}};
+  recipe.grid = product({{0.03 * rms, 0.06 * rms, 0.15 * rms, 0.35 * rms}});
   recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
     return Parameters("stribeck_friction")
         .set("level_Nm", c[0])

@@ -75,21 +75,21 @@ std::string tooSoft(Numbers parameters) {
 }
 
 // ν = (resonance of the drive against its spring in rad/s, logarithms of the drive's inertia and of the
-// damping ratio over what is common): from within the band to where the spring could as well be rigid.
+// damping ratio over what is common): from within the band to where the spring could as well be rigid. On an
+// axis that moves freely only the resonance shows: which part of the mass is the drive's does not.
 Recipe transmissionElasticity(const Motion& motion) {
+  constexpr double kShareOfInertia = 0.3;
   constexpr double kDampingRatio = 0.1;
   const double spread = std::log(3.0);
   Recipe recipe = start("transmission_elasticity", motion, {});
   recipe.contains = {"rotor_inertia"};
-  const double inertia = std::max(0.001, motion.inertia);
+  const double usual = kShareOfInertia * std::max(0.001, motion.inertia);
   recipe.nonlinear = {{.lower = 4.0, .upper = 200.0, .step = 0.5},
-                      {.lower = std::log(0.002 * inertia), .upper = std::log(2.0 * inertia), .step = 0.05},
+                      {.lower = -4.5 * spread, .upper = 1.8 * spread, .step = 0.05, .spread = spread},
                       {.lower = -2.0 * spread, .upper = 2.0 * spread, .step = 0.1, .spread = spread}};
-  recipe.grid = product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0},
-                         {std::log(0.1 * inertia), std::log(0.5 * inertia)},
-                         {0.0, 1.0}});
-  recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
-    const double rotor = std::exp(nu[1]);
+  recipe.grid = product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0}, {-1.0, 0.5}, {0.0, 1.0}});
+  recipe.parameters = [=](Numbers, Numbers nu) -> std::vector<double> {
+    const double rotor = usual * std::exp(nu[1]);
     return Parameters("transmission_elasticity")
         .set("stiffness_Nm_rad", nu[0] * nu[0] * rotor)
         .set("rotor_inertia_kg_m2", rotor)

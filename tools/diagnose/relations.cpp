@@ -15,7 +15,10 @@ bool shapesTheSame(const Recipe& one, const Recipe& other) {
     return recipe.kind == "stribeck_friction" ||
            (recipe.kind == "coulomb_friction" && !recipe.nonlinear.empty());
   };
-  return one.joint == other.joint && bends(one) && bends(other);
+  const auto yields = [](const Recipe& recipe) {
+    return recipe.kind == "transmission_elasticity" || recipe.kind == "backlash";
+  };
+  return one.joint == other.joint && ((bends(one) && bends(other)) || (yields(one) && yields(other)));
 }
 
 bool areLate(const Recipe& one, const Recipe& other) {

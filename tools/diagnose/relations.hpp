@@ -8,7 +8,8 @@ namespace patella::diagnose {
 /// The same but for coefficients that were left out.
 bool isSame(const Recipe& found, const Recipe& recipe);
 
-/// Both bend the dry friction of a joint near rest: once is enough.
+/// Both bend the dry friction of a joint near rest, or both are what lies between a drive's motor and its
+/// link: once is enough.
 bool shapesTheSame(const Recipe& one, const Recipe& other);
 
 /// Both are a drive that is late, of one joint.

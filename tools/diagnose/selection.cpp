@@ -282,7 +282,7 @@ class Selector {
       if (rivals.empty() && other != nullptr) {
         rivals.push_back(other);
       }
-      dropOutdone(rivals);
+      dropOutdone(rivals, *result_.fit.terms[t].recipe);
       for (const Candidate* rival : rivals) {
         auto& labels = result_.evidence[t].rivals;
         if (std::find(labels.begin(), labels.end(), rival->atom->label) == labels.end()) {
@@ -303,9 +303,10 @@ class Selector {
     return contains(*rival.atom->recipe, own) && gain < kNestedEvidence * more;
   }
 
-  // Of rivals of which one contains the other, evidence chooses as above; of any, those stay that would
-  // predict nearly as well as the best of them.
-  void dropOutdone(std::vector<const Candidate*>& rivals) const {
+  // Of rivals of which one contains the other, evidence chooses as above; of those that contain what was
+  // found, one is named, which would predict best; of any, those stay that would predict nearly as well as
+  // the best of them.
+  void dropOutdone(std::vector<const Candidate*>& rivals, const Recipe& found) const {
     const auto outdone = [&](const Candidate* rival, const Candidate* other) {
       const double gain = (other->fit->objective - rival->fit->objective) / unit_;
       const double more = parameters(*rival->fit) - parameters(*other->fit);
@@ -313,6 +314,9 @@ class Selector {
       const Recipe& its = *other->atom->recipe;
       if (contains(own, its) || contains(its, own) || approaches(own, its)) {
         return gain < kNestedEvidence * more;
+      }
+      if (contains(own, found) && contains(its, found)) {
+        return predicts(*rival) < predicts(*other);
       }
       return predicts(*rival) < predicts(*other) - kPredictsLess * unit_;
     };

@@ -1,6 +1,7 @@
 #include "tools/diagnose/tremor_line.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -18,6 +19,10 @@ constexpr double kHighest_Hz = 12.0;
 /// Neighbours that tell what the power would be without a line: beyond the line's own width, within this.
 constexpr double kLineWidth_Hz = 0.6;
 constexpr double kNeighbourhood_Hz = 2.0;
+/// Of a line's power above its neighbourhood, what may stand beside it up to this distance. A control loop
+/// that a late drive makes ring has a hump in its spectrum; a tremor's line has no such shoulders.
+constexpr double kShoulder = 0.04;
+constexpr double kShoulder_Hz = 1.1;
 /// Independent values per stretch of stretches that overlap by half, under a Hann window (Welch 1967).
 constexpr double kIndependence = 0.9;
 
@@ -77,6 +82,24 @@ double neighbourhood(const Periodogram& spectrum, std::size_t line) {
   return around[around.size() / 2];
 }
 
+// Whether neither side of a line stands higher above its neighbourhood than the line's own foot and chance,
+// of three standard deviations, put there.
+bool isNarrow(const Periodogram& spectrum, std::size_t line, double background) {
+  constexpr double kChance = 3.0;
+  std::array<double, 2> sum{}, count{};
+  for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
+    const double distance = spectrum.frequency_Hz[k] - spectrum.frequency_Hz[line];
+    if (std::abs(distance) > kLineWidth_Hz && std::abs(distance) <= kShoulder_Hz) {
+      const std::size_t side = distance < 0.0 ? 0 : 1;
+      sum[side] += spectrum.power[k];
+      count[side] += 1.0;
+    }
+  }
+  const double allowed = background * (1.0 + kChance / std::sqrt(2.0 * kIndependence * spectrum.stretches)) +
+                         kShoulder * (spectrum.power[line] - background);
+  return sum[0] <= allowed * count[0] && sum[1] <= allowed * count[1];
+}
+
 }  // namespace
 
 std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::VectorXd& residual,
@@ -100,7 +123,7 @@ std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::Vecto
       const double tail = boost::math::cdf(
           boost::math::complement(boost::math::chi_squared(freedom), std::min(freedom * ratio, 1e4)));
       const double p_value = std::min(1.0, trials * tail);
-      if (p_value < family_wise_p &&
+      if (p_value < family_wise_p && isNarrow(spectrum, k, background) &&
           (!best || spectrum.power[k] - background > 0.5 * best->amplitude_Nm * best->amplitude_Nm)) {
         // A Hann window spreads a line over one and a half resolutions; a wandering one is wider still.
         double power = 0.0, moment = 0.0;
