@@ -41,6 +41,35 @@ TEST_CASE("what a lag leaves of a delay above the motion's band is no tremor") {
   }
 }
 
+TEST_CASE("the ringing of a loop whose drive is late is no tremor") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(125000060, Suite::kSingle));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  CHECK(diagnosis.effects.front().kind.starts_with("actuator_"));
+}
+
+TEST_CASE("a drive's spring is found where only its resonance shows") {
+  for (const std::uint64_t seed : {123000001U, 126000066U}) {
+    CAPTURE(seed);
+    const Case drawn = multisine(seed, Suite::kSingle);
+    const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+    REQUIRE(diagnosis.effects.size() == 1);
+    CHECK(diagnosis.effects.front().kind == "transmission_elasticity");
+    CHECK(diagnosis.after.heldout_rms_Nm[0] < 0.95 * diagnosis.refitted.heldout_rms_Nm[0]);
+  }
+}
+
+TEST_CASE("a peak of friction close to rest is found") {
+  for (const std::uint64_t seed : {117000123U, 126000086U}) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis = diagnosed(multisine(seed, Suite::kSingle));
+    CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+    REQUIRE(diagnosis.effects.size() == 1);
+    CHECK(diagnosis.effects.front().kind == "stribeck_friction");
+  }
+}
+
 TEST_CASE("a tremor beyond the motion's band is no drive with a soft spring") {
   for (const std::uint64_t seed : {119000169U, 120000180U}) {
     CAPTURE(seed);

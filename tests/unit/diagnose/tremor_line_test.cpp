@@ -41,6 +41,23 @@ TEST_CASE("a line is found with its frequency and amplitude, whether its phase i
   }
 }
 
+TEST_CASE("a hump around 6 Hz, as a resonance makes it of noise, is no line") {
+  constexpr double kResonance_rad_s = 2.0 * std::numbers::pi * 6.0;
+  constexpr double kDampingRatio = 0.08;
+  const Recording recording = swing(60.0);
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const double step_s = 1.0 / data.rate_Hz();
+  const double radius = std::exp(-kDampingRatio * kResonance_rad_s * step_s);
+  const double turn = 2.0 * radius * std::cos(kResonance_rad_s * step_s);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Eigen::VectorXd values = residual(data, 0.0, 0.0, seed);
+    for (Eigen::Index i = 2; i < values.size(); ++i) {
+      values[i] += turn * values[i - 1] - radius * radius * values[i - 2];
+    }
+    CHECK_FALSE(findTremorLine(data, values, 1e-6).has_value());
+  }
+}
+
 TEST_CASE("noise alone has no line") {
   const Recording recording = swing(60.0);
   const Dataset data(std::span(&recording, 1), DatasetOptions{});
