@@ -25,6 +25,7 @@ struct ParameterEstimate {
   std::string name;  ///< with its unit, as in model files
   double value = 0.0;
   std::array<double, 2> ci95{};
+  bool by_factor = false;  ///< a positive number, whose interval lies about it in logarithms
 };
 
 struct EffectFinding {

@@ -14,7 +14,9 @@ namespace {
 constexpr double kKnown = 10.0;
 
 bool isUnknown(const ParameterEstimate& estimate) {
-  return estimate.ci95[1] - estimate.value > kKnown * std::abs(estimate.value);
+  const double half = estimate.by_factor ? std::log(estimate.ci95[1] / estimate.value)
+                                         : (estimate.ci95[1] - estimate.value) / std::abs(estimate.value);
+  return half > kKnown;
 }
 
 bool holdsZero(const ParameterEstimate& estimate) {

@@ -9,6 +9,8 @@ namespace patella::diagnose {
 namespace {
 
 constexpr double kDeviations95 = 1.959964;
+/// Of a factor: nothing is known of what it multiplies.
+constexpr double kLargestLogarithm = 50.0;
 
 }  // namespace
 
@@ -40,7 +42,12 @@ std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::Matri
     if (descriptor.parameters[p].identified || slope.row(row).squaredNorm() > 0.0) {
       all.push_back({.name = std::string(descriptor.parameters[p].name),
                      .value = values[p],
-                     .ci95 = {values[p] - half, values[p] + half}});
+                     .ci95 = {values[p] - half, values[p] + half},
+                     .by_factor = term.recipe->by_factors});
+      if (all.back().by_factor) {
+        const double factor = std::exp(std::min(half / values[p], kLargestLogarithm));
+        all.back().ci95 = {values[p] / factor, values[p] * factor};
+      }
     }
   }
   return all;

@@ -10,7 +10,8 @@
 
 namespace patella::diagnose {
 
-/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance.
+/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance,
+/// to their logarithms where they are known up to factors.
 std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& covariance,
                                          std::size_t term);
 

@@ -79,7 +79,8 @@ EffectFinding findingOf(const std::string& kind, int joint, std::vector<Paramete
                         const Evidence& evidence, int joints) {
   for (ParameterEstimate& parameter : parameters) {
     for (double& limit : parameter.ci95) {
-      limit = parameter.value + kShapeAllowance * (limit - parameter.value);
+      limit = parameter.by_factor ? parameter.value * std::pow(limit / parameter.value, kShapeAllowance)
+                                  : parameter.value + kShapeAllowance * (limit - parameter.value);
     }
   }
   EffectFinding finding{.kind = kind,

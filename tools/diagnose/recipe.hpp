@@ -54,6 +54,8 @@ struct Recipe {
   std::function<std::string(std::span<const double> c, std::span<const double> nu)> beyond;
   /// The torque is nearly proportional to ν[0], so that a first estimate follows from any point of the grid.
   bool proportional = false;
+  /// Physical parameters are products of exponentials of ν: what is uncertain of them is a factor.
+  bool by_factors = false;
   /// The drive gives more or less than it was told: all that the other effects and the mechanism take from it
   /// counts 1 − c times.
   bool scales_all = false;

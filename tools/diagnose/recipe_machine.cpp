@@ -95,6 +95,7 @@ Recipe transmissionElasticity(const Motion& motion) {
         .set("rotor_inertia_kg_m2", rotor)
         .set("damping_Nms_rad", 2.0 * kDampingRatio * std::exp(nu[2]) * nu[0] * rotor);
   };
+  recipe.by_factors = true;
   recipe.beyond = [parameters = recipe.parameters](Numbers c, Numbers nu) {
     return tooSoft(parameters(c, nu));
   };
@@ -139,6 +140,7 @@ Recipe backlash(const Motion& motion) {
         .set("stiffness_Nm_rad", rotor * kContact_rad_s * kContact_rad_s)
         .set("damping_Nms_rad", 2.0 * kDampingRatio * rotor * kContact_rad_s);
   };
+  recipe.by_factors = true;
   return recipe;
 }
 

@@ -56,6 +56,8 @@ TEST_CASE("an estimate shows as many digits as its interval supports") {
   CHECK(valueWithInterval(4.0213, {3.911, 4.1316}) == "4.02 [3.91, 4.13]");
   CHECK(valueWithInterval(203.5, {180.0, 227.0}) == "204 [180, 227]");
   CHECK(valueWithInterval(1.5, {1.5, 1.5}) == "1.5");
+  CHECK(valueWithInterval(2.71, {0.2513, 34.2}) == "2.7 [0.25, 34]");
+  CHECK(valueWithInterval(8109.0, {738.2, 89141.0}) == "8109 [738, 89141]");
   CHECK(valueWithInterval(2.31e-9, {2.2e-9, 2.4e-9}) == "2.31e-09 [2.2e-09, 2.4e-09]");
   CHECK(estimateText({.name = "level_Nm", .value = 1.48321, .ci95 = {1.42144, 1.54398}}) ==
         "level 1.48 [1.42, 1.54] N·m");
