@@ -21,7 +21,12 @@ std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::Matri
   const std::vector<double> values = ModelFitter::effectParameters(term);
   const auto count = static_cast<Eigen::Index>(term.c.size() + term.nu.size());
   Eigen::MatrixXd slope(static_cast<Eigen::Index>(values.size()), count);
-  const Eigen::MatrixXd covariance = all_covariance.block(fit.offset[index], fit.offset[index], count, count);
+  Eigen::MatrixXd covariance = all_covariance.block(fit.offset[index], fit.offset[index], count, count);
+  // Curvature says nothing of which of a rugged objective's neighbouring valleys is the lowest by chance.
+  for (std::size_t k = 0; k < term.nu.size(); ++k) {
+    const auto place = static_cast<Eigen::Index>(term.c.size() + k);
+    covariance(place, place) += std::pow(term.recipe->nonlinear[k].step, 2);
+  }
   for (Eigen::Index k = 0; k < count; ++k) {
     Term moved = term;
     const auto i = static_cast<std::size_t>(k);

@@ -10,8 +10,9 @@
 
 namespace patella::diagnose {
 
-/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance,
-/// to their logarithms where they are known up to factors.
+/// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance, to
+/// their logarithms where they are known up to factors. What a rugged objective depends on is not known
+/// better than its bumps are wide.
 std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& covariance,
                                          std::size_t term);
 
