@@ -202,13 +202,14 @@ class Tester {
     }
   }
 
-  DependenceTest result() && {
+  std::vector<Dependence> result() && {
     std::stable_sort(ranked_.begin(), ranked_.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<Dependence> found;
     for (auto& item : ranked_) {
-      result_.found.push_back(std::move(item.second));
+      found.push_back(std::move(item.second));
     }
-    return std::move(result_);
+    return found;
   }
 
  private:
@@ -223,7 +224,6 @@ class Tester {
                         .variable = atom.label,
                         .explained_Nm = rms_Nm * std::sqrt(std::min(1.0, beyond_chance / rows)),
                         .p_value = p_value}});
-    result_.largest_gain = std::max(result_.largest_gain, screened.gain - screened.dimensions);
   }
 
   const Dataset& data_;
@@ -232,13 +232,13 @@ class Tester {
   int replicates_;
   std::uint64_t seed_;
   std::vector<std::pair<double, Dependence>> ranked_;
-  DependenceTest result_;
 };
 
 }  // namespace
 
-DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
-                              int replicates, double family_wise_p, std::uint64_t seed) {
+std::vector<Dependence> testDependence(const Dataset& data, const ModelFit& fit,
+                                       std::span<const int> channels, int replicates, double family_wise_p,
+                                       std::uint64_t seed) {
   Tester tester(data, fit, replicates, seed);
   tester.test(functionAtoms(data, fit, channels), (1.0 - kShareOfSwings) * family_wise_p);
   tester.test(changingStiffness(data, fit), kShareOfSwings * family_wise_p);

@@ -10,16 +10,13 @@
 
 namespace patella::diagnose {
 
-struct DependenceTest {
-  std::vector<Dependence> found;  ///< those with a family-wise p below the level, strongest first
-  double largest_gain = 0.0;  ///< fall of −2 log-likelihood of the strongest, less what its dimensions cost
-};
-
 /// Tests piecewise linear functions of each joint's position, velocity, acceleration, of EMG activation, time
 /// (at rest: of the order of the postures) and of some products, and the functions of addSuggested() and
 /// changingStiffness(), for each joint's residual; family-wise by a bootstrap of the smallest p. The last are
-/// a family of their own, which shares the level with the rest.
-DependenceTest testDependence(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
-                              int replicates, double family_wise_p, std::uint64_t seed);
+/// a family of their own, which shares the level with the rest. Returns those with a p below the level,
+/// strongest first.
+std::vector<Dependence> testDependence(const Dataset& data, const ModelFit& fit,
+                                       std::span<const int> channels, int replicates, double family_wise_p,
+                                       std::uint64_t seed);
 
 }  // namespace patella::diagnose

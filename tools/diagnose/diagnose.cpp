@@ -32,12 +32,10 @@
 namespace patella::diagnose {
 namespace {
 
-/// Share of all that was explained, in likelihood and in torque, which a smooth function may still find
-/// behind the named effects, before what was found is called unknown. Likelihood alone would call any misfit
-/// of a recording without noise unknown.
-constexpr double kUnknownShare = 0.05;
-/// Of the torque alone, a share that nobody would call a misfit.
-constexpr double kUnknownTorque = 0.2;
+/// Of the torque that the model lacks, the share that a smooth function must find behind the named effects
+/// for all to be called unknown. Below, it may as well be that nature's effect is not quite the library's, or
+/// that a person's push goes with the motion.
+constexpr double kUnknownShare = 0.2;
 
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
@@ -111,10 +109,10 @@ class Procedure {
           label + " explained a part of the recording, but its parameters are not known: not added");
     }
     report("unexplained", 0.0);
-    const DependenceTest dependence =
+    const std::vector<Dependence> dependences =
         testDependence(*train_, last.fitter->onWholeTorque(last.selection.fit), channels_,
                        4 * options_.bootstrap_replicates, options_.family_wise_p, options_.seed + 104729);
-    decide(*last.fitter, first.nominal, last.selection, dependence);
+    decide(*last.fitter, first.nominal, last.selection, dependences);
     compareRecordings(last.selection.fit);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);
     report("errors", 0.0);
@@ -257,9 +255,9 @@ class Procedure {
   }
 
   void decide(ModelFitter& fitter, const ModelFit& nominal, const Selection& selection,
-              const DependenceTest& dependence) {
+              const std::vector<Dependence>& dependences) {
     result_.steps = selection.steps;
-    result_.unexplained = dependence.found;
+    result_.unexplained = dependences;
     const Eigen::MatrixXd covariance =
         widerCovariance(*train_, selection.fit, options_.bootstrap_replicates, covarianceSeed());
     const std::vector<FreeFunction> free = freeFunctions(*train_, selection);
@@ -288,13 +286,9 @@ class Procedure {
     addConfoundsBetween(result_.effects);
     addTremor(fitter.describe(selection.fit));
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
-    const double explained = selection.fit.weighting->objective(missing) -
-                             selection.fit.weighting->objective(selection.fit.residual);
-    const bool likely = dependence.largest_gain > kUnknownShare * (explained + dependence.largest_gain);
     const bool unexplained =
-        std::any_of(dependence.found.begin(), dependence.found.end(), [&](const Dependence& found) {
-          return found.explained_Nm >
-                 (likely ? kUnknownShare : kUnknownTorque) * jointRms(*train_, missing, found.joint);
+        std::any_of(dependences.begin(), dependences.end(), [&](const Dependence& found) {
+          return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint);
         });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
