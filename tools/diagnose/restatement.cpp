@@ -147,7 +147,8 @@ class Restatement {
       }
       const auto [low, high] = std::minmax(*levels, *peak);
       const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
-      std::optional<ModelFit> best = added(without(low, high), stribeck, selection_.fit.terms[*peak].nu);
+      const std::vector<double> place = selection_.fit.terms[*peak].nu;
+      std::optional<ModelFit> best = added(without(low, high), stribeck, place);
       if (!best) {
         continue;
       }
@@ -158,7 +159,12 @@ class Restatement {
               (atom.recipe->kind != "viscous_friction" && atom.recipe->kind != "torque_bias")) {
             continue;
           }
-          std::optional<ModelFit> larger = added(*best, atom, atom.nu);
+          // Without the other effect the peak may have run away.
+          ModelFit again = *best;
+          for (Term& term : again.terms) {
+            term.nu = term.recipe->label() == stribeck.recipe->label() ? place : term.nu;
+          }
+          std::optional<ModelFit> larger = added(again, atom, atom.nu);
           if (larger && worth(*larger) < worth(*best)) {
             best = std::move(larger);
             more = true;
