@@ -39,6 +39,12 @@ std::string words(std::string_view name) {
   return text;
 }
 
+/// Two digits that count, without an exponent; of a positive number.
+std::string twoDigits(double value) {
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(value)));
+  return fmt::format("{:.{}f}", value, std::max(decimals, 0));
+}
+
 }  // namespace
 
 Units unitsOf(const Diagnosis& diagnosis) {
@@ -76,22 +82,12 @@ std::string effectWords(const EffectFinding& effect) {
   return effectWords(effect.kind + "@" + std::to_string(effect.joint + 1));
 }
 
-namespace {
-
-/// Two digits that count, without an exponent.
-std::string twoDigits(double value) {
-  const int decimals = 1 - static_cast<int>(std::floor(std::log10(value)));
-  return fmt::format("{:.{}f}", value, std::max(decimals, 0));
-}
-
-}  // namespace
-
 std::string valueWithInterval(double value, const std::array<double, 2>& interval) {
   const double width = interval[1] - interval[0];
   if (!(width > 0.0) || !std::isfinite(value)) {
     return shortNumber(value);
   }
-  // Known up to a factor: each limit has digits of its own.
+  // Known up to a factor: each limit has digits of its own, as long as they need no exponent.
   constexpr double kLopsided = 2.0, kSmallest = 1e-5;
   if (interval[0] > kSmallest && interval[1] - value > kLopsided * (value - interval[0])) {
     return fmt::format("{} [{}, {}]", twoDigits(value), twoDigits(interval[0]), twoDigits(interval[1]));

@@ -43,7 +43,7 @@ Recipe stribeckFriction(const Motion& motion, double smoothing) {
   Recipe recipe = start("stribeck_friction", motion, {true, true});
   recipe.contains = {"stribeck_friction", "coulomb_friction"};
   const double rms = motion.velocity_rms;
-  // Faster than that, a peak at rest is how the measured velocity turns round and not how the joint rubs.
+  // Narrower than that, a peak at rest is how the measured velocity turns round and not how the joint rubs.
   recipe.nonlinear = {{.lower = 0.02 * rms, .upper = 1.0 * rms, .closed_below = true}};
   recipe.grid = product({{0.03 * rms, 0.06 * rms, 0.15 * rms, 0.35 * rms}});
   recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
