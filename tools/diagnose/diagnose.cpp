@@ -285,9 +285,13 @@ class Procedure {
     }
     addConfoundsBetween(result_.effects);
     addTremor(fitter.describe(selection.fit));
+    // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
+    if (result_.effects.empty() && result_.unexplained.empty() && selection.unsteady) {
+      result_.unexplained.push_back(*selection.unsteady);
+    }
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
     const bool unexplained =
-        std::any_of(dependences.begin(), dependences.end(), [&](const Dependence& found) {
+        std::any_of(result_.unexplained.begin(), result_.unexplained.end(), [&](const Dependence& found) {
           return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint);
         });
     for (const FreeFunction& function : free) {

@@ -11,6 +11,11 @@
 namespace patella::diagnose {
 namespace {
 
+/// Candidates of a step that are fitted in full: the best of the screening, so many at most, as long as what
+/// their columns explain comes near the best fit so far.
+constexpr std::size_t kFittedCandidates = 10;
+constexpr double kNearBest = 0.3;
+
 // The coefficient that the screening, which knows no signs, would make most of where physics does not allow
 // its sign; empty where there is none.
 std::string wrongSign(ModelFitter& fitter, const Candidate& candidate) {
@@ -126,6 +131,31 @@ void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Can
     const std::string sign = wrongSign(fitter, candidate);
     candidate.refused_because = sign.empty() ? candidate.refused_because : sign;
   }
+}
+
+Candidate* fitBest(ModelFitter& fitter, const ModelFit& current, double cost,
+                   std::vector<Candidate>& candidates) {
+  // Two candidates for the same data are compared under the noise of the one that leaves less.
+  const auto better = [cost](const Candidate& a, const Candidate& b) {
+    const double unit = a.fit->objective < b.fit->objective ? a.unit : b.unit;
+    return a.fit->objective + unit * cost * parametersInUse(*a.fit) <
+           b.fit->objective + unit * cost * parametersInUse(*b.fit);
+  };
+  Candidate* best = nullptr;
+  for (std::size_t i = 0; i < std::min(kFittedCandidates, candidates.size()); ++i) {
+    Candidate& candidate = candidates[i];
+    if (!candidate.refused_because.empty()) {
+      break;
+    }
+    if (best != nullptr && candidate.score < kNearBest * (current.objective - best->fit->objective)) {
+      break;
+    }
+    fitCandidate(fitter, current, cost, candidate);
+    if (candidate.refused_because.empty() && (best == nullptr || better(candidate, *best))) {
+      best = &candidate;
+    }
+  }
+  return best;
 }
 
 SelectionStep describeStep(const std::vector<Candidate>& candidates, double threshold, double cost) {

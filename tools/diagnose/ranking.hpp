@@ -50,6 +50,11 @@ std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, doub
 /// Fits a candidate beside what is there already, and refuses it where physics or its cost does.
 void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Candidate& candidate);
 
+/// Fits the most promising candidates, the first of the list, and returns the best that neither physics nor
+/// its cost refuses; nullptr where there is none.
+Candidate* fitBest(ModelFitter& fitter, const ModelFit& current, double cost,
+                   std::vector<Candidate>& candidates);
+
 /// `threshold` is on the gain less the cost of its parameters; shown is the gain that each candidate has to
 /// reach.
 SelectionStep describeStep(const std::vector<Candidate>& candidates, double threshold, double cost);

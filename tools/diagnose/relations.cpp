@@ -21,11 +21,14 @@ bool shapesTheSame(const Recipe& one, const Recipe& other) {
   return one.joint == other.joint && ((bends(one) && bends(other)) || (yields(one) && yields(other)));
 }
 
-bool areLate(const Recipe& one, const Recipe& other) {
+bool areAlike(const Recipe& one, const Recipe& other) {
   const auto is_late = [](const Recipe& recipe) {
     return recipe.kind == "actuator_delay" || recipe.kind == "actuator_lag";
   };
-  return one.joint == other.joint && is_late(one) && is_late(other);
+  const auto tilts = [](const Recipe& recipe) {
+    return recipe.kind == "encoder_offset" || recipe.kind == "linear_stiffness";
+  };
+  return one.joint == other.joint && ((is_late(one) && is_late(other)) || (tilts(one) && tilts(other)));
 }
 
 bool contains(const Recipe& recipe, const Recipe& other) {

@@ -12,8 +12,9 @@ bool isSame(const Recipe& found, const Recipe& recipe);
 /// link: once is enough.
 bool shapesTheSame(const Recipe& one, const Recipe& other);
 
-/// Both are a drive that is late, of one joint.
-bool areLate(const Recipe& one, const Recipe& other);
+/// Both are a drive that is late, or both change gravity's torque with position, as an encoder's offset and a
+/// spring do; of one joint. What tells them apart is small against what each explains.
+bool areAlike(const Recipe& one, const Recipe& other);
 
 /// The other is a special case of the recipe, of another kind or its own.
 bool contains(const Recipe& recipe, const Recipe& other);

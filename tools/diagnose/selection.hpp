@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct Selection {
   ModelFit fit;
   std::vector<Evidence> evidence;  ///< one for each term of the fit; empty for declared ones
   std::vector<SelectionStep> steps;
+  /// Of the last candidate of position or velocity that chance does not bring, but that does not hold in
+  /// every part of the recording.
+  std::optional<Dependence> unsteady;
 };
 
 Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,

@@ -107,3 +107,27 @@ TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gi
     CHECK(diagnosis.unexplained.front().variable == variable);
   }
 }
+
+TEST_CASE("where what explains most is refused, what is clearer is tried") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(132000196, Suite::kDouble));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  CHECK(std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                    [](const auto& effect) { return effect.kind == "thermal_drift"; }));
+  CHECK(diagnosis.after.heldout_rms_Nm[1] < 0.2 * diagnosis.refitted.heldout_rms_Nm[1]);
+}
+
+TEST_CASE("what chance does not bring is not nothing, though it is steady in no effect of the library") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(132000098, Suite::kUnknown));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kUnknownEffect);
+  REQUIRE(diagnosis.unexplained.size() == 1);
+  CHECK(diagnosis.unexplained.front().variable == "q1");
+}
+
+TEST_CASE("a spring is named beside an encoder's offset that tilts gravity as much") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(132000174, Suite::kDouble));
+  const auto offset = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                   [](const auto& effect) { return effect.kind == "encoder_offset"; });
+  REQUIRE(offset != diagnosis.effects.end());
+  CHECK(std::count(offset->indistinguishable_from.begin(), offset->indistinguishable_from.end(),
+                   "linear_stiffness") == 1);
+}
