@@ -36,6 +36,8 @@ namespace {
 /// for all to be called unknown. Below, it may as well be that nature's effect is not quite the library's, or
 /// that a person's push goes with the motion.
 constexpr double kUnknownShare = 0.2;
+/// The same of what is left behind the named effects: so much is not noise, however little it is.
+constexpr double kUnknownRest = 1.0 / 3.0;
 
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
@@ -290,9 +292,11 @@ class Procedure {
       result_.unexplained.push_back(*selection.unsteady);
     }
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
+    const Eigen::VectorXd left = fitter.onWholeTorque(selection.fit).residual;
     const bool unexplained =
         std::any_of(result_.unexplained.begin(), result_.unexplained.end(), [&](const Dependence& found) {
-          return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint);
+          return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint) ||
+                 found.explained_Nm > kUnknownRest * jointRms(*train_, left, found.joint);
         });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);

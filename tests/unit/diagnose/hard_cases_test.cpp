@@ -131,3 +131,11 @@ TEST_CASE("a spring is named beside an encoder's offset that tilts gravity as mu
   CHECK(std::count(offset->indistinguishable_from.begin(), offset->indistinguishable_from.end(),
                    "linear_stiffness") == 1);
 }
+
+TEST_CASE("what is left and is no noise makes all unknown, however much was named") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(132000017, Suite::kUnknown));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kUnknownEffect);
+  REQUIRE(!diagnosis.unexplained.empty());
+  CHECK(diagnosis.unexplained.front().joint == 1);
+  CHECK(diagnosis.unexplained.front().variable == "q1");
+}
