@@ -36,8 +36,10 @@ namespace {
 /// for all to be called unknown. Below, it may as well be that nature's effect is not quite the library's, or
 /// that a person's push goes with the motion.
 constexpr double kUnknownShare = 0.2;
-/// The same of what is left behind the named effects: so much is not noise, however little it is.
-constexpr double kUnknownRest = 1.0 / 3.0;
+/// The same where the function finds a third of what is left behind the named effects, which is no noise
+/// then.
+constexpr double kUnknownShareOfNoNoise = 0.05;
+constexpr double kNoNoise = 1.0 / 3.0;
 
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
@@ -295,8 +297,9 @@ class Procedure {
     const Eigen::VectorXd left = fitter.onWholeTorque(selection.fit).residual;
     const bool unexplained =
         std::any_of(result_.unexplained.begin(), result_.unexplained.end(), [&](const Dependence& found) {
-          return found.explained_Nm > kUnknownShare * jointRms(*train_, missing, found.joint) ||
-                 found.explained_Nm > kUnknownRest * jointRms(*train_, left, found.joint);
+          const double share = found.explained_Nm / jointRms(*train_, missing, found.joint);
+          const bool no_noise = found.explained_Nm > kNoNoise * jointRms(*train_, left, found.joint);
+          return share > (no_noise ? kUnknownShareOfNoNoise : kUnknownShare);
         });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
