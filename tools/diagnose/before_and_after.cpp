@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +14,8 @@ namespace {
 
 /// Held-out error over noise floor from which on something else happens there.
 constexpr double kOutOfProportion = 2.5;
+/// Held-out error of a joint after over before from which on the user is told.
+constexpr double kCost = 1.01;
 
 void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
                const app::ModelDescription& given, Diagnosis& result) {
@@ -26,12 +27,20 @@ void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
   }
 }
 
+// Mean square of all joints' errors, each in units of its noise: a hip's is several times a knee's.
+double errorInNoise(const std::vector<double>& rms_Nm, const std::vector<double>& noise_floor_Nm) {
+  double sum = 0.0;
+  for (std::size_t joint = 0; joint < rms_Nm.size(); ++joint) {
+    const double unit = noise_floor_Nm[joint] > 0.0 ? noise_floor_Nm[joint] : 1.0;
+    sum += (rms_Nm[joint] / unit) * (rms_Nm[joint] / unit);
+  }
+  return sum;
+}
+
 // What does not hold on data that it was not fitted to is not added.
 void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
-  const auto total = [](const std::vector<double>& rms) {
-    return std::inner_product(rms.begin(), rms.end(), rms.begin(), 0.0);
-  };
-  if (total(result.after.heldout_rms_Nm) <= total(result.before.heldout_rms_Nm)) {
+  if (errorInNoise(result.after.heldout_rms_Nm, result.noise_floor_Nm) <=
+      errorInNoise(result.before.heldout_rms_Nm, result.noise_floor_Nm)) {
     return;
   }
   // A finding that the model does not hold, such as a tremor whose phase wanders, has made nothing worse.
@@ -53,6 +62,19 @@ void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
   } else {
     result.warnings.emplace_back(
         "refitted nominal parameters make the held-out error larger; the model is left as it was");
+  }
+}
+
+// Joints share a mechanism: what helps them together may cost one of them.
+void tellWhichJointPays(Diagnosis& result) {
+  for (std::size_t joint = 0; joint < result.after.heldout_rms_Nm.size(); ++joint) {
+    const double before = result.before.heldout_rms_Nm[joint];
+    const double after = result.after.heldout_rms_Nm[joint];
+    if (after > kCost * before) {
+      result.warnings.push_back(fmt::format(
+          "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while the joints' together falls",
+          joint + 1, before, after, result.torque_unit));
+    }
   }
 }
 
@@ -83,13 +105,12 @@ void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result) {
   result.before = errorMeasure(models.train, models.heldout, models.given);
   result.refitted = errorMeasure(models.train, models.heldout, models.refitted);
   result.after = errorMeasure(models.train, models.heldout, result.extended);
-  if (models.heldout) {
-    keepOnlyWhatHolds(models.given, result);
-  }
   for (int joint = 0; joint < models.train.joints(); ++joint) {
     result.noise_floor_Nm.push_back(jointRms(models.train, models.unexplained, joint));
   }
   if (models.heldout) {
+    keepOnlyWhatHolds(models.given, result);
+    tellWhichJointPays(result);
     compareParts(result);
   }
   addCurves(models.train, models.heldout, models.given, result);

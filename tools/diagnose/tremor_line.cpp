@@ -102,45 +102,46 @@ bool isNarrow(const Periodogram& spectrum, std::size_t line, double background) 
 
 }  // namespace
 
-std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::VectorXd& residual,
+std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::VectorXd& residual, int joint,
                                          double family_wise_p) {
   constexpr double kFewestStretches = 6.0;
+  if (data.isStatic()) {
+    return std::nullopt;
+  }
+  const Periodogram spectrum = periodogram(data, residual, joint);
+  if (spectrum.stretches < kFewestStretches) {
+    return std::nullopt;
+  }
   std::optional<TremorLine> best;
-  for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
-    const Periodogram spectrum = periodogram(data, residual, joint);
-    if (spectrum.stretches < kFewestStretches) {
+  const double freedom = 2.0 * kIndependence * spectrum.stretches;
+  const double trials = data.joints() * (kHighest_Hz - kLowest_Hz) / kStep_Hz;
+  for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
+    const double f = spectrum.frequency_Hz[k];
+    if (f < kLowest_Hz || f > kHighest_Hz) {
       continue;
     }
-    const double freedom = 2.0 * kIndependence * spectrum.stretches;
-    const double trials = data.joints() * (kHighest_Hz - kLowest_Hz) / kStep_Hz;
-    for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
-      const double f = spectrum.frequency_Hz[k];
-      if (f < kLowest_Hz || f > kHighest_Hz) {
-        continue;
-      }
-      const double background = neighbourhood(spectrum, k);
-      const double ratio = spectrum.power[k] / background;
-      const double tail = boost::math::cdf(
-          boost::math::complement(boost::math::chi_squared(freedom), std::min(freedom * ratio, 1e4)));
-      const double p_value = std::min(1.0, trials * tail);
-      if (p_value < family_wise_p && isNarrow(spectrum, k, background) &&
-          (!best || spectrum.power[k] - background > 0.5 * best->amplitude_Nm * best->amplitude_Nm)) {
-        // A Hann window spreads a line over one and a half resolutions; a wandering one is wider still.
-        double power = 0.0, moment = 0.0;
-        for (std::size_t i = 0; i < spectrum.power.size(); ++i) {
-          if (std::abs(spectrum.frequency_Hz[i] - f) <= kLineWidth_Hz) {
-            const double excess = std::max(0.0, spectrum.power[i] - background);
-            power += excess / 1.5;
-            moment += excess / 1.5 * spectrum.frequency_Hz[i];
-          }
+    const double background = neighbourhood(spectrum, k);
+    const double ratio = spectrum.power[k] / background;
+    const double tail = boost::math::cdf(
+        boost::math::complement(boost::math::chi_squared(freedom), std::min(freedom * ratio, 1e4)));
+    const double p_value = std::min(1.0, trials * tail);
+    if (p_value < family_wise_p && isNarrow(spectrum, k, background) &&
+        (!best || spectrum.power[k] - background > 0.5 * best->amplitude_Nm * best->amplitude_Nm)) {
+      // A Hann window spreads a line over one and a half resolutions; a wandering one is wider still.
+      double power = 0.0, moment = 0.0;
+      for (std::size_t i = 0; i < spectrum.power.size(); ++i) {
+        if (std::abs(spectrum.frequency_Hz[i] - f) <= kLineWidth_Hz) {
+          const double excess = std::max(0.0, spectrum.power[i] - background);
+          power += excess / 1.5;
+          moment += excess / 1.5 * spectrum.frequency_Hz[i];
         }
-        best = TremorLine{.joint = joint,
-                          .frequency_Hz = moment / power,
-                          .frequency_sd_Hz = 0.5 / (kStretch_s * std::sqrt(spectrum.stretches)) * 2.0,
-                          .amplitude_Nm = std::sqrt(2.0 * power),
-                          .amplitude_sd_Nm = std::sqrt(2.0 * power) / std::sqrt(2.0 * freedom),
-                          .p_value = std::max(p_value, 1e-12)};
       }
+      best = TremorLine{.joint = joint,
+                        .frequency_Hz = moment / power,
+                        .frequency_sd_Hz = 0.5 / (kStretch_s * std::sqrt(spectrum.stretches)) * 2.0,
+                        .amplitude_Nm = std::sqrt(2.0 * power),
+                        .amplitude_sd_Nm = std::sqrt(2.0 * power) / std::sqrt(2.0 * freedom),
+                        .p_value = std::max(p_value, 1e-12)};
     }
   }
   return best;

@@ -19,10 +19,10 @@ struct TremorLine {
   double p_value = 1.0;  ///< family-wise over joints and frequencies
 };
 
-/// The clearest line of 3 to 12 Hz in the band's residual, if its p is below `family_wise_p` and it is
-/// narrow: without shoulders, as the ringing of a control loop has them. Periodogram averaged over stretches
-/// of 4 s (Welch 1967), held against the median of its neighbourhood.
-std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::VectorXd& residual,
+/// The clearest line of 3 to 12 Hz in the band's residual of a joint, if its p is below `family_wise_p` and
+/// it is narrow: without shoulders, as the ringing of a control loop has them. Periodogram averaged over
+/// stretches of 4 s (Welch 1967), held against the median of its neighbourhood.
+std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::VectorXd& residual, int joint,
                                          double family_wise_p);
 
 }  // namespace patella::diagnose

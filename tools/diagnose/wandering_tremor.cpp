@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tools/diagnose/elementary.hpp"
 #include "tools/diagnose/model_error.hpp"
@@ -15,10 +16,9 @@ constexpr double kTremorP = 1e-6;
 /// Of the residual's root mean square, its amplitude at least.
 constexpr double kLeastTremor = 0.35;
 
-std::optional<TremorLine> lineOf(const Dataset& wide, const app::ModelDescription& model) {
-  const Column left = residualOf(wide, model).residual;
-  std::optional<TremorLine> line = findTremorLine(wide, left, kTremorP);
-  if (line && line->amplitude_Nm < kLeastTremor * jointRms(wide, left, line->joint)) {
+std::optional<TremorLine> lineOf(const Dataset& wide, const Column& residual, int joint) {
+  std::optional<TremorLine> line = findTremorLine(wide, residual, joint, kTremorP);
+  if (line && line->amplitude_Nm < kLeastTremor * jointRms(wide, residual, joint)) {
     line.reset();
   }
   return line;
@@ -41,36 +41,46 @@ app::ModelDescription withOtherTiming(app::ModelDescription model) {
   return model;
 }
 
-}  // namespace
+// A spring between motor and link rings by itself.
+bool rings(const EffectFinding& effect) {
+  return effect.kind == "transmission_elasticity" || effect.kind == "backlash";
+}
 
-std::optional<EffectFinding> wanderingTremor(const Dataset& wide, const app::ModelDescription& extended,
-                                             std::span<const EffectFinding> found) {
-  const std::optional<TremorLine> line = lineOf(wide, extended);
-  // A spring between motor and link rings by itself.
-  const auto rings = [&](const EffectFinding& effect) {
-    return effect.joint == line->joint &&
-           (effect.kind == "transmission_elasticity" || effect.kind == "backlash");
-  };
-  if (!line || std::any_of(found.begin(), found.end(), rings)) {
-    return std::nullopt;
-  }
-  const std::optional<TremorLine> again = lineOf(wide, withOtherTiming(extended));
-  if (!again || again->joint != line->joint) {
-    return std::nullopt;
-  }
+EffectFinding findingOf(const TremorLine& line) {
   const auto estimate = [](const char* name, double value, double sd) {
     return ParameterEstimate{.name = name, .value = value, .ci95 = {value - 2.0 * sd, value + 2.0 * sd}};
   };
-  return EffectFinding{.kind = "tremor",
-                       .joint = line->joint,
-                       .parameters = {estimate("amplitude_Nm", line->amplitude_Nm, line->amplitude_sd_Nm),
-                                      estimate("frequency_Hz", line->frequency_Hz, line->frequency_sd_Hz)},
-                       .p_value = line->p_value,
-                       .gain = -0.5 * std::log(line->p_value),
-                       // A joint with play that is held in place hunts.
-                       .indistinguishable_from = {"backlash"},
-                       .replaces = {},
-                       .separating_motion = "the same posture with the brake on"};
+  return {.kind = "tremor",
+          .joint = line.joint,
+          .parameters = {estimate("amplitude_Nm", line.amplitude_Nm, line.amplitude_sd_Nm),
+                         estimate("frequency_Hz", line.frequency_Hz, line.frequency_sd_Hz)},
+          .p_value = line.p_value,
+          .gain = -0.5 * std::log(line.p_value),
+          // A joint with play that is held in place hunts.
+          .indistinguishable_from = {"backlash"},
+          .replaces = {},
+          .separating_motion = "the same posture with the brake on"};
+}
+
+}  // namespace
+
+std::vector<EffectFinding> wanderingTremors(const Dataset& wide, const app::ModelDescription& extended,
+                                            std::span<const EffectFinding> found) {
+  const Column left = residualOf(wide, extended).residual;
+  const Column left_otherwise = residualOf(wide, withOtherTiming(extended)).residual;
+  std::vector<EffectFinding> tremors;
+  for (int joint = 0; joint < wide.joints(); ++joint) {
+    if (std::any_of(found.begin(), found.end(), [joint](const EffectFinding& effect) {
+          return effect.joint == joint && (effect.kind == "tremor" || rings(effect));
+        })) {
+      continue;
+    }
+    const std::optional<TremorLine> line = lineOf(wide, left, joint);
+    if (line && lineOf(wide, left_otherwise, joint)) {
+      tremors.push_back(findingOf(*line));
+    }
+  }
+  return tremors;
 }
 
 }  // namespace patella::diagnose

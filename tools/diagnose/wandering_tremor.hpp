@@ -1,8 +1,8 @@
 // A tremor whose phase wanders: no effect with a phase of its own explains it.
 #pragma once
 
-#include <optional>
 #include <span>
+#include <vector>
 
 #include "firmware_app/files/model_file.hpp"
 #include "tools/diagnose/dataset.hpp"
@@ -10,9 +10,10 @@
 
 namespace patella::diagnose {
 
-/// By its line in what a model leaves of the torque, unless what was found rings by itself, or the line comes
-/// from the form of a late drive. The model cannot foresee it, so it can be named and not added.
-std::optional<EffectFinding> wanderingTremor(const Dataset& wide, const app::ModelDescription& extended,
-                                             std::span<const EffectFinding> found);
+/// Of each joint without a tremor, by its line in what a model leaves of the torque, unless what was found
+/// rings by itself, or the line comes from the form of a late drive. The model cannot foresee it, so it can
+/// be named and not added.
+std::vector<EffectFinding> wanderingTremors(const Dataset& wide, const app::ModelDescription& extended,
+                                            std::span<const EffectFinding> found);
 
 }  // namespace patella::diagnose

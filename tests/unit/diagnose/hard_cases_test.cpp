@@ -1,6 +1,8 @@
 // Cases that the procedure once got wrong, on simulated rigs that share no dynamics with the model.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -51,6 +53,15 @@ TEST_CASE("the ringing of a loop whose drive is late is no tremor") {
   CHECK(onlyFinding(125000060).starts_with("actuator_"));
 }
 
+TEST_CASE("a hump in the noise of a hip that walks or swings is no tremor") {
+  for (const std::uint64_t seed : {137000037U, 137000106U}) {
+    CAPTURE(seed);
+    const diagnose::Diagnosis diagnosis = diagnosed(drawCase(seed, Suite::kNone, {}));
+    CHECK(diagnosis.verdict == diagnose::Verdict::kNothingMissing);
+    CHECK(diagnosis.effects.empty());
+  }
+}
+
 TEST_CASE("a drive's spring is found where only its resonance shows") {
   for (const std::uint64_t seed : {123000001U, 126000066U}) {
     CAPTURE(seed);
@@ -89,6 +100,29 @@ TEST_CASE("a tremor whose phase wanders is named, and makes nothing worse on oth
   REQUIRE(diagnosis.effects.size() == 1);
   CHECK(diagnosis.effects.front().kind == "tremor");
   CHECK(diagnosis.after.heldout_rms_Nm[0] <= diagnosis.before.heldout_rms_Nm[0]);
+}
+
+TEST_CASE("both joints may tremble, one of them with a phase that wanders") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(141000156, Suite::kDouble));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 2);
+  for (const diagnose::EffectFinding& effect : diagnosis.effects) {
+    CHECK(effect.kind == "tremor");
+  }
+  CHECK(diagnosis.effects[0].joint + diagnosis.effects[1].joint == 1);
+}
+
+TEST_CASE("a joint of little noise pays for no other, though in torque the sum falls") {
+  const diagnose::Diagnosis diagnosis = diagnosed(drawCase(137000146, Suite::kNone, {}));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kNothingMissing);
+  REQUIRE(diagnosis.after.heldout_rms_Nm.size() == 2);
+  double before = 0.0, after = 0.0;
+  for (std::size_t joint = 0; joint < 2; ++joint) {
+    before += std::pow(diagnosis.before.heldout_rms_Nm[joint] / diagnosis.noise_floor_Nm[joint], 2);
+    after += std::pow(diagnosis.after.heldout_rms_Nm[joint] / diagnosis.noise_floor_Nm[joint], 2);
+  }
+  CHECK(after <= before);
+  CHECK(diagnosis.warnings.back().starts_with("refitted nominal parameters make the held-out error larger"));
 }
 
 TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {

@@ -33,7 +33,7 @@ TEST_CASE("a line is found with its frequency and amplitude, whether its phase i
   const Recording recording = swing(60.0);
   const Dataset data(std::span(&recording, 1), DatasetOptions{});
   for (const double wander : {0.0, 1.0}) {
-    const auto line = findTremorLine(data, residual(data, 1.0, wander, 11), 1e-6);
+    const auto line = findTremorLine(data, residual(data, 1.0, wander, 11), 0, 1e-6);
     REQUIRE(line.has_value());
     CHECK(line->joint == 0);
     CHECK(std::abs(line->frequency_Hz - 6.0) < 0.2);
@@ -54,7 +54,7 @@ TEST_CASE("a hump around 6 Hz, as a resonance makes it of noise, is no line") {
     for (Eigen::Index i = 2; i < values.size(); ++i) {
       values[i] += turn * values[i - 1] - radius * radius * values[i - 2];
     }
-    CHECK_FALSE(findTremorLine(data, values, 1e-6).has_value());
+    CHECK_FALSE(findTremorLine(data, values, 0, 1e-6).has_value());
   }
 }
 
@@ -62,6 +62,6 @@ TEST_CASE("noise alone has no line") {
   const Recording recording = swing(60.0);
   const Dataset data(std::span(&recording, 1), DatasetOptions{});
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    CHECK_FALSE(findTremorLine(data, residual(data, 0.0, 0.0, seed), 1e-4).has_value());
+    CHECK_FALSE(findTremorLine(data, residual(data, 0.0, 0.0, seed), 0, 1e-4).has_value());
   }
 }
