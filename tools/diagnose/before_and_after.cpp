@@ -56,9 +56,8 @@ void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
   if (taken_back) {
     result.verdict = Verdict::kUnknownEffect;
     result.explanation =
-        "What explained the first part of the recording makes the error of the held-out part larger; the "
-        "model "
-        "is left as it was.";
+        "What explained the first part of the recording makes the error of the held-out part larger; "
+        "the model is left as it was.";
   } else {
     result.warnings.emplace_back(
         "refitted nominal parameters make the held-out error larger; the model is left as it was");
@@ -72,7 +71,7 @@ void tellWhichJointPays(Diagnosis& result) {
     const double after = result.after.heldout_rms_Nm[joint];
     if (after > kCost * before) {
       result.warnings.push_back(fmt::format(
-          "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while the joints' together falls",
+          "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while that of all together falls",
           joint + 1, before, after, result.torque_unit));
     }
   }

@@ -125,6 +125,15 @@ TEST_CASE("a joint of little noise pays for no other, though in torque the sum f
   CHECK(diagnosis.warnings.back().starts_with("refitted nominal parameters make the held-out error larger"));
 }
 
+TEST_CASE("where all joints together gain and one loses, the user is told which") {
+  const diagnose::Diagnosis diagnosis = diagnosed(drawCase(137000801, Suite::kNone, {}));
+  CHECK(diagnosis.after.heldout_rms_Nm[0] < 0.5 * diagnosis.before.heldout_rms_Nm[0]);
+  CHECK(diagnosis.after.heldout_rms_Nm[1] > diagnosis.before.heldout_rms_Nm[1]);
+  CHECK(std::any_of(diagnosis.warnings.begin(), diagnosis.warnings.end(), [](const std::string& warning) {
+    return warning.starts_with("the held-out error of joint 2 grows");
+  }));
+}
+
 TEST_CASE("what is beyond the library is unknown, in the shape that mechanics gives it") {
   const std::array<std::pair<std::uint64_t, const char*>, 7> cases{{{114000199U, "ddq2*q2"},
                                                                     {112000038U, "activation1*q2"},
