@@ -42,6 +42,10 @@ constexpr double kUnknownShare = 0.2;
 constexpr double kUnknownShareOfNoNoise = 0.05;
 constexpr double kNoNoise = 1.0 / 3.0;
 
+/// Times the level of a step, that of a dependence behind named effects. Where nothing was named it would
+/// overturn "nothing is missing", which has to be rare; here it only makes an answer more careful.
+constexpr double kLevelBehindNamed = 2.0;
+
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
 /// Of the held-out error, what a delay must leave at most.
@@ -114,9 +118,10 @@ class Procedure {
           label + " explained a part of the recording, but its parameters are not known: not added");
     }
     report("unexplained", 0.0);
-    const std::vector<Dependence> dependences =
-        testDependence(*train_, last.fitter->onWholeTorque(last.selection.fit), channels_,
-                       4 * options_.bootstrap_replicates, options_.family_wise_p, options_.seed + 104729);
+    const std::vector<Dependence> dependences = testDependence(
+        *train_, last.fitter->onWholeTorque(last.selection.fit), channels_, 4 * options_.bootstrap_replicates,
+        (namesAny(last.selection) ? kLevelBehindNamed : 1.0) * options_.family_wise_p,
+        options_.seed + 104729);
     decide(*last.fitter, first.nominal, last.selection, dependences);
     compareRecordings(last.selection.fit);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);
@@ -259,6 +264,12 @@ class Procedure {
     }
   }
 
+  bool namesAny(const Selection& selection) const {
+    const auto& terms = selection.fit.terms;
+    return !late_.empty() ||
+           std::any_of(terms.begin(), terms.end(), [](const Term& term) { return !term.declared; });
+  }
+
   void decide(ModelFitter& fitter, const ModelFit& nominal, const Selection& selection,
               const std::vector<Dependence>& dependences) {
     result_.steps = selection.steps;
@@ -298,9 +309,9 @@ class Procedure {
     const Eigen::VectorXd left = fitter.onWholeTorque(selection.fit).residual;
     const bool unexplained =
         std::any_of(result_.unexplained.begin(), result_.unexplained.end(), [&](const Dependence& found) {
-          const double share = found.explained_Nm / jointRms(*train_, missing, found.joint);
-          const bool no_noise = found.explained_Nm > kNoNoise * jointRms(*train_, left, found.joint);
-          return share > (no_noise ? kUnknownShareOfNoNoise : kUnknownShare);
+          const double of_rest = found.explained_Nm / jointRms(*train_, left, found.joint);
+          const double share = of_rest / missingInNoise(missing, left, found.joint);
+          return share > (of_rest > kNoNoise ? kUnknownShareOfNoNoise : kUnknownShare);
         });
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
@@ -321,6 +332,21 @@ class Procedure {
                                  .refitted = value * ratio,
                                  .sd = value * ratio * std::sqrt(covariance(row, row))});
     }
+  }
+
+  // The torque that the model lacks on a joint and on those where something was named, in units of what is
+  // left.
+  double missingInNoise(const Eigen::VectorXd& missing, const Eigen::VectorXd& left, int joint) const {
+    double square = 0.0;
+    for (int j = 0; j < train_->joints(); ++j) {
+      const bool counts =
+          j == joint || std::any_of(result_.effects.begin(), result_.effects.end(),
+                                    [j](const EffectFinding& effect) { return effect.joint == j; });
+      if (counts) {
+        square += std::pow(jointRms(*train_, missing, j) / jointRms(*train_, left, j), 2);
+      }
+    }
+    return std::sqrt(square);
   }
 
   // What found effects explain includes what the declared ones did that they replaced.

@@ -54,14 +54,6 @@ std::optional<std::size_t> notEstablished(const Dataset& data, const Selection& 
 
 }  // namespace
 
-Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates,
-                                std::uint64_t seed) {
-  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, replicates, seed);
-  const Eigen::VectorXd left_out = jackknifeCovariance(fit).diagonal();
-  const Eigen::VectorXd factor = (left_out.array() / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
-  return factor.asDiagonal() * drawn * factor.asDiagonal();
-}
-
 std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection, int replicates,
                                                   std::uint64_t seed) {
   std::vector<std::string> dropped;

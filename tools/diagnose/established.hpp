@@ -1,6 +1,7 @@
 // What was found is kept as far as its parameters say anything.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,6 @@
 #include "tools/diagnose/selection.hpp"
 
 namespace patella::diagnose {
-
-/// Covariance of a fit's parameters: the larger of what the noise makes of them and what leaving out parts of
-/// the recording does.
-Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed);
 
 /// Drops, one by one, effects that are not established: one number whose 95 % interval holds zero, beside
 /// other findings; or one of which no parameter is known to within its tenfold. Parts of a free function

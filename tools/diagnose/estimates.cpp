@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/model/effect.hpp"
+#include "tools/diagnose/gates.hpp"
+#include "tools/diagnose/search.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -13,6 +15,14 @@ constexpr double kDeviations95 = 1.959964;
 constexpr double kLargestLogarithm = 50.0;
 
 }  // namespace
+
+Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates,
+                                std::uint64_t seed) {
+  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, replicates, seed);
+  const Eigen::VectorXd left_out = jackknifeCovariance(fit).diagonal();
+  const Eigen::VectorXd factor = (left_out.array() / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return factor.asDiagonal() * drawn * factor.asDiagonal();
+}
 
 std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& all_covariance,
                                          std::size_t index) {

@@ -1,6 +1,7 @@
 #include "tools/diagnose/restatement.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "tools/diagnose/candidate.hpp"
+#include "tools/diagnose/estimates.hpp"
 #include "tools/diagnose/ranking.hpp"
 #include "tools/diagnose/relations.hpp"
 
@@ -18,13 +20,17 @@ namespace {
 constexpr double kAsGood = 0.1;
 /// Share of what an effect explains that a simple one may leave where the effect is out of its range.
 constexpr double kRest = 0.1;
+/// Standard deviations by which two levels of friction differ, if they are two: as wide as the intervals that
+/// the user is shown.
+constexpr double kTwoLevels = 2.5;
 
 class Restatement {
  public:
-  Restatement(ModelFitter& fitter, const Atoms& atoms, double unit, Selection& selection)
+  Restatement(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection)
       : fitter_(fitter),
         atoms_(atoms),
-        unit_(unit),
+        options_(options),
+        unit_(options.unit),
         cost_(parameterCost(selection.fit)),
         selection_(selection) {}
 
@@ -36,6 +42,7 @@ class Restatement {
     restateFriction();
     while (simplify()) {
     }
+    levelOut();
     findPlainFriction();
   }
 
@@ -177,6 +184,39 @@ class Restatement {
     }
   }
 
+  // Friction of two levels that may as well be one is dry friction: a person's mean push moves one level up
+  // and the other down, which counts for more than the information criterion knows.
+  void levelOut() {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() != 2) {
+        continue;
+      }
+      const Eigen::Index at = selection_.fit.offset[t];
+      const Eigen::Matrix2d covariance =
+          widerCovariance(fitter_.data(), selection_.fit, options_.replicates, options_.seed)
+              .block<2, 2>(at, at);
+      const double variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
+      if (std::pow(term.c[0] - term.c[1], 2) > kTwoLevels * kTwoLevels * variance) {
+        continue;
+      }
+      const Atom* plain = plainAtom("coulomb_friction", term.recipe->joint);
+      std::optional<ModelFit> level =
+          plain != nullptr ? added(withoutTerm(selection_.fit, t), *plain, plain->nu) : std::nullopt;
+      if (level && level->at_edge.empty()) {
+        take(std::move(*level), selection_.evidence[t].p_value);
+      }
+    }
+  }
+
+  // Without a shape of its own.
+  const Atom* plainAtom(std::string_view kind, int joint) const {
+    const auto plain = std::find_if(atoms_.items.begin(), atoms_.items.end(), [&](const Atom& atom) {
+      return atom.recipe->kind == kind && atom.recipe->joint == joint && atom.recipe->nonlinear.empty();
+    });
+    return plain == atoms_.items.end() ? nullptr : &*plain;
+  }
+
   // Friction of two levels and two dampings that are not worth their number may as well be dry and viscous
   // friction: two effects, which no single rival is.
   void findPlainFriction() {
@@ -187,11 +227,8 @@ class Restatement {
       }
       std::optional<ModelFit> plain = withoutTerm(selection_.fit, t);
       for (const std::string_view kind : {"coulomb_friction", "viscous_friction"}) {
-        const auto simple = std::find_if(atoms_.items.begin(), atoms_.items.end(), [&](const Atom& atom) {
-          return atom.recipe->kind == kind && atom.recipe->joint == term.recipe->joint &&
-                 atom.recipe->nonlinear.empty();
-        });
-        plain = plain && simple != atoms_.items.end() ? added(*plain, *simple, simple->nu) : std::nullopt;
+        const Atom* simple = plainAtom(kind, term.recipe->joint);
+        plain = plain && simple != nullptr ? added(*plain, *simple, simple->nu) : std::nullopt;
       }
       if (plain && plain->at_edge.empty() && worth(*plain) < worth(selection_.fit)) {
         selection_.evidence[t].rivals.push_back("coulomb_friction+viscous_friction@" +
@@ -243,6 +280,7 @@ class Restatement {
 
   ModelFitter& fitter_;
   const Atoms& atoms_;
+  const RestateOptions& options_;
   double unit_;
   double cost_;
   Selection& selection_;
@@ -250,8 +288,8 @@ class Restatement {
 
 }  // namespace
 
-void restate(ModelFitter& fitter, const Atoms& atoms, double unit, Selection& selection) {
-  Restatement(fitter, atoms, unit, selection).run();
+void restate(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection) {
+  Restatement(fitter, atoms, options, selection).run();
 }
 
 }  // namespace patella::diagnose
