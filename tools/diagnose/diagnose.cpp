@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -27,20 +25,11 @@
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/torque_timing.hpp"
+#include "tools/diagnose/unknown_rest.hpp"
 #include "tools/diagnose/wandering_tremor.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Of the torque that the model lacks, the share that a smooth function must find behind the named effects
-/// for all to be called unknown. Below, it may as well be that nature's effect is not quite the library's, or
-/// that a person's push goes with the motion.
-constexpr double kUnknownShare = 0.2;
-/// Less suffices where the function finds a third of what is left behind the named effects: such a rest is no
-/// noise. On measured data, whose friction is not quite the library's, it stays below 2 % of the missing
-/// torque.
-constexpr double kUnknownShareOfNoNoise = 0.05;
-constexpr double kNoNoise = 1.0 / 3.0;
 
 /// Times the level of a step, that of a dependence behind named effects. Where nothing was named it would
 /// overturn "nothing is missing", which has to be rare; here it only makes an answer more careful.
@@ -308,11 +297,7 @@ class Procedure {
     const Eigen::VectorXd missing = withoutReplaced(fitter, nominal.residual, selection.fit);
     const Eigen::VectorXd left = fitter.onWholeTorque(selection.fit).residual;
     const bool unexplained =
-        std::any_of(result_.unexplained.begin(), result_.unexplained.end(), [&](const Dependence& found) {
-          const double of_rest = found.explained_Nm / jointRms(*train_, left, found.joint);
-          const double share = of_rest / missingInNoise(missing, left, found.joint);
-          return share > (of_rest > kNoNoise ? kUnknownShareOfNoNoise : kUnknownShare);
-        });
+        restIsUnknown(*train_, {.missing = missing, .left = left}, result_.effects, result_.unexplained);
     for (const FreeFunction& function : free) {
       result_.unexplained.insert(result_.unexplained.begin(), function.dependence);
     }
@@ -332,21 +317,6 @@ class Procedure {
                                  .refitted = value * ratio,
                                  .sd = value * ratio * std::sqrt(covariance(row, row))});
     }
-  }
-
-  // The torque that the model lacks on a joint and on those where something was named, in units of what is
-  // left.
-  double missingInNoise(const Eigen::VectorXd& missing, const Eigen::VectorXd& left, int joint) const {
-    double square = 0.0;
-    for (int j = 0; j < train_->joints(); ++j) {
-      const bool counts =
-          j == joint || std::any_of(result_.effects.begin(), result_.effects.end(),
-                                    [j](const EffectFinding& effect) { return effect.joint == j; });
-      if (counts) {
-        square += std::pow(jointRms(*train_, missing, j) / jointRms(*train_, left, j), 2);
-      }
-    }
-    return std::sqrt(square);
   }
 
   // What found effects explain includes what the declared ones did that they replaced.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -60,6 +61,16 @@ TEST_CASE("a hump in the noise of a hip that walks or swings is no tremor") {
     CHECK(diagnosis.verdict == diagnose::Verdict::kNothingMissing);
     CHECK(diagnosis.effects.empty());
   }
+}
+
+TEST_CASE("two levels of friction that a person's mean push may have parted are one") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(142000134, Suite::kDouble));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  const auto friction = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                     [](const auto& effect) { return effect.joint == 0; });
+  REQUIRE(friction != diagnosis.effects.end());
+  CHECK(friction->kind == "coulomb_friction");
+  CHECK(friction->indistinguishable_from == std::vector<std::string>{"asymmetric_friction"});
 }
 
 TEST_CASE("a drive's spring is found where only its resonance shows") {
