@@ -14,8 +14,8 @@ namespace {
 
 /// Held-out error over noise floor from which on something else happens there.
 constexpr double kOutOfProportion = 2.5;
-/// Held-out error of a joint after over before from which on the user is told.
-constexpr double kCost = 1.01;
+/// Held-out error of a joint after over before from which on the user is told: less is within the noise.
+constexpr double kCost = 1.05;
 
 void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
                const app::ModelDescription& given, Diagnosis& result) {
