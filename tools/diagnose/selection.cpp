@@ -21,10 +21,10 @@ namespace {
 /// Of the mean square that is left of a joint's torque, what an effect has to explain: less is nothing that
 /// anyone would miss, however sure it is.
 constexpr double kLeastShare = 0.03;
-/// The same of a tremor, unless it is clearer than any hump of coloured noise. A person who walks or swings a
+/// The same of a tremor whose gain, in units of chance, is below kClearLine. A person who walks or swings a
 /// leg pushes in a spectrum that has humps, which drawn noise does not have.
 constexpr double kLeastTremorShare = 0.15;
-constexpr double kClearLine_nats = 100.0;
+constexpr double kClearLine = 100.0;
 /// Squared standard deviations. Damping that the model declares, or its masses, may have moved to make up for
 /// what is missing, so that little is left to explain.
 constexpr double kMaterialRelief = 4.0;
@@ -170,7 +170,7 @@ class Selector {
   }
 
   std::string gate(const Candidate& candidate, double p_value) const {
-    const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < kClearLine_nats;
+    const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < kClearLine;
     if (options_.gates.share && shareOf(*candidate.fit) < (hump ? kLeastTremorShare : kLeastShare) &&
         reliefOf(*candidate.fit) < kMaterialRelief) {
       return "too little";
