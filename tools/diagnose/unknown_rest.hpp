@@ -10,7 +10,7 @@
 
 namespace patella::diagnose {
 
-/// Stacked by joints, as a Column's residual.
+/// N·m, or N of a prismatic joint; joints one below the other, as in a Column's residual.
 struct MissingTorque {
   Eigen::VectorXd missing;  ///< that the given model leaves
   Eigen::VectorXd left;     ///< that the model with the named effects leaves
