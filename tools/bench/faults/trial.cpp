@@ -208,8 +208,9 @@ TrialResult runTrial(const app::RunConfig& scenario, std::uint64_t seed) {
   if (judge.disobeyed_s) {
     const double budget_s =
         scenario.tick.monitors.drive.follow_time_s + scenario.tick.monitors.drive.response_s + 0.004;
-    result.reactions.push_back(
-        react(sim::FaultKind::kDriveNotFollowing, *judge.disobeyed_s, budget_s, result.stopped_s));
+    const double effect_s = seenFrom_s(*judge.disobeyed_s, scenario);
+    result.reactions.push_back(react(sim::FaultKind::kDriveNotFollowing, effect_s,
+                                     budget_s + putOff_s(effect_s, budget_s, scenario), result.stopped_s));
   }
   return result;
 }
