@@ -13,14 +13,17 @@ struct Measurement {
   JointVector position_rad;
   JointVector velocity_rad_s;   ///< meaningless where has_velocity is false
   JointVector drive_torque_Nm;  ///< torque that the drives report they apply
+  /// Least and largest of all reports since the tick before; those of the newest where none has come.
+  JointVector lowest_drive_torque_Nm, highest_drive_torque_Nm;
   EmgArray emg_mV{};
   bool has_velocity = false;  ///< the encoder delivers a rate; otherwise it is derived from position
   bool has_drive_torque =
       false;  ///< a drive status is bound; otherwise the commanded torque is taken as applied
   bool has_drive_enabled = false;  ///< drive_enabled is bound
-  bool drive_enabled = false;
-  bool operator_enable = false;  ///< level
-  bool operator_reset = false;   ///< level; the state machine looks for its rising edge
+  bool drive_was_enabled = false;   ///< some report since the tick before, or else the newest, said so
+  bool drive_was_disabled = false;  ///< likewise
+  bool operator_enable = false;     ///< level
+  bool operator_reset = false;      ///< level; the state machine looks for its rising edge
 
   /// Sensor periods between the encoder sample of this measurement and the one before it (from the frame
   /// counter, or from stamps where there is none); 0 when no new sample of all joints has come. Times the
@@ -33,6 +36,11 @@ struct Measurement {
 
   JointVector true_f_u;  ///< simulated rigs only, rad/s²
   bool has_truth = false;
+
+  /// One report of all drives, the only one of this tick.
+  void reportDriveTorque(const JointVector& torque_Nm) {
+    drive_torque_Nm = lowest_drive_torque_Nm = highest_drive_torque_Nm = torque_Nm;
+  }
 };
 
 /// What goes to the drives.

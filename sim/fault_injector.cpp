@@ -112,7 +112,7 @@ void FaultInjector::flip(can::Frame& frame, FrameChannel channel) noexcept {
 bool FaultInjector::hold(const can::Frame& frame, FrameChannel channel) noexcept {
   double due_s = 0.0;
   if (const FaultEvent* stall = find(FaultKind::kRigStall); stall != nullptr) {
-    due_s = stall->time_s + stall->duration_s;
+    due_s = stall->burstEnd(time_s_);
   } else if (const FaultEvent* delay = find(FaultKind::kDelayedFrames, static_cast<int>(channel));
              delay != nullptr && happens(*delay)) {
     due_s = time_s_ + delay->delay_s;
@@ -127,29 +127,32 @@ bool FaultInjector::hold(const can::Frame& frame, FrameChannel channel) noexcept
 
 void FaultInjector::encoder(int joint, double& position_rad,
                             double& velocity_rad_s) noexcept PATELLA_NONBLOCKING {
-  if (const FaultEvent* event = find(FaultKind::kEncoderJump, joint); event != nullptr) {
+  // What has no effect on a position that is frozen already has none yet.
+  auto& frozen = frozen_[static_cast<std::size_t>(joint)];
+  const FaultEvent* const freeze = find(FaultKind::kEncoderFreeze, joint);
+  const bool hidden = freeze != nullptr && frozen;
+  if (const FaultEvent* event = find(FaultKind::kEncoderJump, joint); event != nullptr && !hidden) {
     note(*event);
     position_rad += event->value;
   }
-  if (const FaultEvent* event = find(FaultKind::kEncoderDrift, joint); event != nullptr) {
+  if (const FaultEvent* event = find(FaultKind::kEncoderDrift, joint); event != nullptr && !hidden) {
     note(*event);
-    position_rad += event->value * (time_s_ - event->time_s);
+    position_rad += event->value * (time_s_ - event->burstStart(time_s_));
   }
-  if (const FaultEvent* event = find(FaultKind::kEncoderWrap, joint); event != nullptr) {
+  if (const FaultEvent* event = find(FaultKind::kEncoderWrap, joint); event != nullptr && !hidden) {
     note(*event);
     position_rad -= std::copysign(event->value, position_rad);
   }
-  auto& frozen = frozen_[static_cast<std::size_t>(joint)];
-  if (const FaultEvent* event = find(FaultKind::kEncoderFreeze, joint); event != nullptr) {
-    note(*event);
-    if (!frozen) {
-      frozen = {position_rad, velocity_rad_s};
-    }
-    position_rad = frozen->first;
-    velocity_rad_s = event->with_velocity ? frozen->second : velocity_rad_s;
-  } else {
+  if (freeze == nullptr) {
     frozen.reset();
+    return;
   }
+  note(*freeze);
+  if (!frozen) {
+    frozen = {position_rad, velocity_rad_s};
+  }
+  position_rad = frozen->first;
+  velocity_rad_s = freeze->with_velocity ? frozen->second : velocity_rad_s;
 }
 
 void FaultInjector::emg(EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING {

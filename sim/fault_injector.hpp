@@ -42,11 +42,13 @@ class FaultInjector {
   /// Hands on to sink(frame) what becomes of a frame right now: nothing, itself, or more.
   template <typename Sink>
   void pass(can::Frame frame, FrameChannel channel, Sink&& sink) noexcept {
+    if (!events_.empty()) {
+      forger_.heard(frame, channel);
+    }
     if (idle()) {
       sink(frame);
       return;
     }
-    forger_.heard(frame, channel);
     if (silent() || lost(channel)) {
       return;
     }
@@ -71,16 +73,16 @@ class FaultInjector {
     }
   }
 
-  /// Hands on to sink(frame, channel) what was held back until now, and the forged frames of this sample.
-  /// While the bus is silent both are lost.
-  template <typename Sink>
-  void release(Sink&& sink) noexcept {
+  /// Hands on to held(frame, channel) what was held back until now, and to forged(frame, channel) the forged
+  /// frames of this sample. While the bus is silent both are lost.
+  template <typename Held, typename Forged>
+  void release(Held&& held, Forged&& forged) noexcept {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < held_count_; ++i) {
       if (held_[i].due_s > time_s_) {
         held_[kept++] = held_[i];
       } else if (!silent()) {
-        sink(held_[i].frame, held_[i].channel);
+        held(held_[i].frame, held_[i].channel);
       }
     }
     held_count_ = kept;
@@ -93,9 +95,9 @@ class FaultInjector {
       if (event == nullptr || !happens(*event)) {
         continue;
       }
-      const auto forged = forger_.forge(channel, event->value, event->counter_correct, event->crc_correct);
-      if (forged) {
-        sink(*forged, channel);
+      const auto frame = forger_.forge(channel, event->value, event->counter_correct, event->crc_correct);
+      if (frame) {
+        forged(*frame, channel);
       }
     }
   }
@@ -106,7 +108,7 @@ class FaultInjector {
   const std::vector<FaultEvent>& events() const noexcept { return events_; }
 
  private:
-  struct Held {
+  struct HeldFrame {
     can::Frame frame;
     FrameChannel channel = FrameChannel::kEncoder1;
     double due_s = 0.0;
@@ -132,7 +134,7 @@ class FaultInjector {
   Random random_;
   double time_s_ = 0.0;
   std::size_t active_count_ = 0;
-  std::vector<Held> held_;
+  std::vector<HeldFrame> held_;
   std::size_t held_count_ = 0;
   std::array<std::optional<can::Frame>, kFrameChannelCount> reordered_;
   std::array<std::optional<std::pair<double, double>>, kMaxJoints> frozen_;

@@ -61,6 +61,8 @@ void requireSound(const FaultEvent& event) {
   constexpr double kLongest_s = 1e7;
   requireRange("fault.time_s", event.time_s, 0.0, kLongest_s);
   requireRange("fault.duration_s", event.duration_s, 0.0, std::numeric_limits<double>::infinity());
+  requireRange("fault.cycle_s", event.cycle_s, 0.0, kLongest_s);
+  requireRange("fault.duty", event.duty, 0.0, 1.0);
   requireRange("fault.probability", event.probability, 0.0, 1.0);
   requireRange("fault.delay_s", event.delay_s, 0.0, kLongest_s);
   requireRange("fault.bits", event.bits, 1, 64);

@@ -2,12 +2,16 @@
 // out.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "core/tick/stage_probe.hpp"
 #include "core/types.hpp"
 
 namespace patella::sim {
@@ -85,6 +89,8 @@ struct FaultEvent {
   FaultKind kind = FaultKind::kLostFrames;
   double time_s = 0.0;                                          ///< since the rig's, or the loop's, start
   double duration_s = std::numeric_limits<double>::infinity();  ///< infinity: for good
+  double cycle_s = 0.0;  ///< comes and goes with that period; 0: without a break
+  double duty = 1.0;     ///< share of a cycle, from its beginning, in which it is there
   /// FrameChannel, electrode or joint from 0 by the kind's group; kAll for every one.
   int channel = kAll;
   double probability = 1.0;  ///< for each frame
@@ -97,8 +103,28 @@ struct FaultEvent {
   bool with_velocity = true;    ///< encoder_freeze: the rate stands still too
   bool counter_correct = true;  ///< forged_frames
   bool crc_correct = true;      ///< forged_frames
+  /// loop_stall: where in the tick it strikes; none: between two ticks.
+  std::optional<tick::Stage> stage;
 
-  bool activeAt(double t_s) const noexcept { return t_s >= time_s && t_s < time_s + duration_s; }
+  bool activeAt(double t_s) const noexcept {
+    return t_s >= time_s && t_s < time_s + duration_s && (cycle_s <= 0.0 || t_s < burstEnd(t_s));
+  }
+  /// Of the cycle that t_s lies in; of the whole fault where it has no breaks.
+  double burstStart(double t_s) const noexcept {
+    return cycle_s > 0.0 ? time_s + std::floor((t_s - time_s) / cycle_s) * cycle_s : time_s;
+  }
+  double burstEnd(double t_s) const noexcept {
+    const double end_s = time_s + duration_s;
+    return cycle_s > 0.0 ? std::min(burstStart(t_s) + duty * cycle_s, end_s) : end_s;
+  }
+  /// At some instant after from_s, up to to_s.
+  bool activeWithin(double from_s, double to_s) const noexcept {
+    const double last_s = std::min(to_s, time_s + duration_s);
+    if (activeAt(to_s)) {
+      return true;
+    }
+    return last_s >= time_s && burstEnd(std::max(last_s, time_s)) > from_s && from_s < time_s + duration_s;
+  }
   bool concerns(int index) const noexcept { return channel == kAll || channel == index; }
 };
 

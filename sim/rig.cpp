@@ -191,13 +191,20 @@ void Rig::sample() noexcept {
     send(messages_.operatorButtons(time_s >= operator_.enable_at_s, resetPressed(time_s)),
          FrameChannel::kOperator);
   }
-  faults_.release([this](const can::Frame& frame, FrameChannel channel) {
-    if (channel == FrameChannel::kCommand) {
-      obey(frame);
-    } else {
-      queue(frame);
-    }
-  });
+  faults_.release(
+      [this](const can::Frame& frame, FrameChannel channel) {
+        if (channel == FrameChannel::kCommand) {
+          obey(frame);
+        } else {
+          queue(frame);
+        }
+      },
+      [this](const can::Frame& frame, FrameChannel channel) {
+        if (channel == FrameChannel::kCommand) {
+          obey(frame);
+        }
+        queue(frame);  // a bus is heard by everybody, commands of another sender included
+      });
   ++statistics_.samples;
 }
 

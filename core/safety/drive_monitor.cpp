@@ -13,8 +13,8 @@ DriveMonitor::DriveMonitor(int joints, const DriveMonitorSettings& settings, con
       // The command of a tick is reported in the next one at the earliest, so one more belongs to the span.
       sent_(static_cast<std::size_t>(std::ceil(settings.response_s / period_s)) + 1,
             {JointVector::Zero(joints), false}),
-      not_following_(settings.follow_time_s),
-      over_(settings.over_time_s) {
+      not_following_(settings.follow_time_s, kDriveRecovery),
+      over_(settings.over_time_s, kDriveRecovery) {
   for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
     tolerance_Nm_[j] = settings.follow_tolerance * limits.joint[j].torque_Nm;
     ceiling_Nm_[j] = (1.0 + settings.over_tolerance) * limits.joint[j].torque_Nm;
@@ -44,7 +44,7 @@ bool DriveMonitor::follows(const Measurement& measurement) const noexcept {
   if (measurement.has_drive_enabled) {
     const bool some_enabled = std::any_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
     const bool all_enabled = std::all_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
-    if (measurement.drive_enabled ? !some_enabled : all_enabled) {
+    if ((measurement.drive_was_enabled && !some_enabled) || (measurement.drive_was_disabled && all_enabled)) {
       return false;
     }
   }
@@ -63,8 +63,8 @@ bool DriveMonitor::follows(const Measurement& measurement) const noexcept {
       first = false;
     }
     const double tolerance_Nm = tolerance_Nm_[static_cast<std::size_t>(j)];
-    const double reported_Nm = measurement.drive_torque_Nm[j];
-    if (!(reported_Nm >= lower - tolerance_Nm && reported_Nm <= upper + tolerance_Nm)) {
+    if (!(measurement.lowest_drive_torque_Nm[j] >= lower - tolerance_Nm &&
+          measurement.highest_drive_torque_Nm[j] <= upper + tolerance_Nm)) {
       return false;
     }
   }
@@ -73,7 +73,9 @@ bool DriveMonitor::follows(const Measurement& measurement) const noexcept {
 
 bool DriveMonitor::over(const Measurement& measurement) const noexcept {
   for (int j = 0; measurement.has_drive_torque && j < joints_; ++j) {
-    if (!(std::abs(measurement.drive_torque_Nm[j]) <= ceiling_Nm_[static_cast<std::size_t>(j)])) {
+    const double ceiling_Nm = ceiling_Nm_[static_cast<std::size_t>(j)];
+    if (!(measurement.lowest_drive_torque_Nm[j] >= -ceiling_Nm &&
+          measurement.highest_drive_torque_Nm[j] <= ceiling_Nm)) {
       return true;
     }
   }

@@ -8,13 +8,14 @@
 #include "core/measurement.hpp"
 #include "core/safety/fault.hpp"
 #include "core/safety/monitor_settings.hpp"
-#include "core/safety/persistence.hpp"
+#include "core/safety/leaky_score.hpp"
 #include "core/safety/safety_limiter.hpp"
 
 namespace patella::safety {
 
 /// A report must lie within the span of the commands of the last response_s, widened by a tolerance: whatever
 /// delay or lag shorter than that the drives have. Torque above the limit is judged on its own and sooner.
+/// A tick is bad when any report of it is; good ones make up for bad ones by kDriveRecovery only.
 class DriveMonitor {
  public:
   /// `period_s` between two ticks. Throws std::invalid_argument where response_s holds too many of them.
@@ -40,7 +41,7 @@ class DriveMonitor {
   PerJoint tolerance_Nm_{}, ceiling_Nm_{};
   std::vector<Sent> sent_;  ///< the newest response_s of commands, as a ring
   std::size_t next_ = 0;
-  Persistence not_following_, over_;
+  LeakyScore not_following_, over_;  ///< s
 };
 
 }  // namespace patella::safety

@@ -13,7 +13,10 @@ EmgMonitor::EmgMonitor(const EmgMonitorSettings& settings, const std::array<bool
       period_s_(1.0 / rate_Hz),
       mains_rad_s_(2.0 * std::numbers::pi * (mains_Hz > 0.0 ? mains_Hz : 50.0)) {
   for (Channel& channel : channels_) {
-    channel.hum = Persistence(settings.hum_time_s);
+    // The score begins once the signal has stood still for kStill_s.
+    channel.off = LeakyScore(std::max(settings.flat_time_s - kStill_s, 0.0));
+    channel.saturated = LeakyScore(settings.saturation_time_s);
+    channel.hum = LeakyScore(settings.hum_time_s);
   }
 }
 
@@ -55,13 +58,10 @@ FaultSet EmgMonitor::judge(Channel& channel, double sample_mV, double dt_s) cons
     channel.lowest_mV = channel.highest_mV = sample_mV;
     channel.still_s = 0.0;
   }
-  if (channel.still_s > settings_.flat_time_s + kTimeSlack_s && !saturated) {
+  if (channel.off.update(channel.still_s > kStill_s + kScoreSlack && !saturated, known_s)) {
     faults.add(Fault::kEmgElectrodeOff);
   }
-
-  channel.saturated_s = std::clamp(channel.saturated_s + (saturated ? known_s : -known_s), 0.0,
-                                   2.0 * settings_.saturation_time_s);
-  if (channel.saturated_s > settings_.saturation_time_s + kTimeSlack_s) {
+  if (channel.saturated.update(saturated, known_s)) {
     faults.add(Fault::kEmgSaturated);
   }
 

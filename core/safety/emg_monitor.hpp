@@ -5,13 +5,14 @@
 
 #include "core/safety/fault.hpp"
 #include "core/safety/monitor_settings.hpp"
-#include "core/safety/persistence.hpp"
+#include "core/safety/leaky_score.hpp"
 #include "core/types.hpp"
 
 namespace patella::safety {
 
 /// Per electrode: a signal that stands still (off, or a dead amplifier), that sticks to the end of its range,
-/// or that is mains hum. The hum's amplitude is that of the signal mixed down by the mains' frequency, 2|z|
+/// or that is mains hum. Each counts by its share of the time (LeakyScore), so that a loose contact is found,
+/// too; it stands still from kStill_s on, which EMG of 20 Hz and more never does. The hum's amplitude is that of the signal mixed down by the mains' frequency, 2|z|
 /// with z ← z + (x e^{−iωt} − z)/τ, τ = 0.1 s: EMG of 0.25 mV rms leaves about 0.03 mV in that band. A sample
 /// stands for the gap before it, but for no more than kBridged_s of it: in 2 x kBridged_s/τ the largest
 /// sample alone is no hum.
@@ -27,13 +28,13 @@ class EmgMonitor {
  private:
   static constexpr double kHumFilter_s = 0.1;
   static constexpr double kBridged_s = 0.01;
+  static constexpr double kStill_s = 0.02;
 
   struct Channel {
     double lowest_mV = 0.0, highest_mV = 0.0;
-    double still_s = 0.0;      ///< since the signal last left a band of flat_mV
-    double saturated_s = 0.0;  ///< saturated samples less others
+    double still_s = 0.0;  ///< since the signal last left a band of flat_mV
     double real_mV = 0.0, imaginary_mV = 0.0;
-    Persistence hum;
+    LeakyScore off, saturated, hum;  ///< s
   };
 
   FaultSet judge(Channel& channel, double sample_mV, double dt_s) const noexcept;

@@ -13,7 +13,8 @@ std::string_view faultName(Fault fault) noexcept {
       "velocity_limit",       "joint_range",       "torque_limit",
       "encoder_inconsistent", "model_mismatch",    "following_error",
       "drive_not_following",  "drive_over_torque", "emg_electrode_off",
-      "emg_saturated",        "emg_hum",           "watchdog"};
+      "emg_saturated",        "emg_hum",           "watchdog",
+      "foreign_command",      "command_late"};
   const auto index = static_cast<std::size_t>(fault);
   return index < kNames.size() ? kNames[index] : "unknown";
 }

@@ -34,6 +34,8 @@ enum class Fault : std::uint8_t {
   kEmgSaturated,         ///< likewise, at the end of its range
   kEmgHum,               ///< likewise, drowned by the mains
   kWatchdog,             ///< the watchdog thread found the loop standing still
+  kForeignCommand,       ///< somebody else commands the drives
+  kCommandLate,          ///< the measurement was too old by the time its command could be sent
   kCount
 };
 

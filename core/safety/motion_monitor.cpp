@@ -16,8 +16,8 @@ MotionMonitor::MotionMonitor(int joints, const MotionMonitorSettings& settings, 
     const double unknown_Nm = settings.unknown_torque_Nm[j];
     joint_[j] = {.unknown_Nm = unknown_Nm > 0.0 ? unknown_Nm : limits.joint[j].torque_Nm,
                  .following_rad = stiff[j] ? settings.following_rad[j] : 0.0,
-                 .unknown = Persistence(settings.unknown_time_s),
-                 .following = Persistence(settings.following_time_s)};
+                 .unknown = LeakyScore(settings.unknown_time_s),
+                 .following = LeakyScore(settings.following_time_s)};
   }
 }
 

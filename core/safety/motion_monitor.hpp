@@ -5,7 +5,7 @@
 
 #include "core/safety/fault.hpp"
 #include "core/safety/monitor_settings.hpp"
-#include "core/safety/persistence.hpp"
+#include "core/safety/leaky_score.hpp"
 #include "core/safety/safety_limiter.hpp"
 #include "core/types.hpp"
 
@@ -27,7 +27,7 @@ class MotionMonitor {
   struct Joint {
     double unknown_Nm = 0.0;
     double following_rad = 0.0;
-    Persistence unknown, following;
+    LeakyScore unknown, following;
   };
   int joints_;
   std::array<Joint, kMaxJoints> joint_;
@@ -47,7 +47,7 @@ class NetworkMonitor {
  private:
   int joints_;
   PerJoint limit_Nm_{};
-  Persistence disagreement_;
+  LeakyScore disagreement_;
   bool distrusted_ = false;
 };
 

@@ -31,12 +31,12 @@ std::string_view limitName(Limit limit) noexcept {
 }
 
 SafetyLimiter::SafetyLimiter(int joints, const SafetyLimits& limits)
-    : joints_(joints), saturation_timeout_s_(limits.saturation_timeout_s) {
+    : joints_(joints) {
   requireRange("joints", joints, 1, kMaxJoints);
   requireRange("safety.saturation_timeout_s", limits.saturation_timeout_s, 0.0, kCeilingSaturation_s);
   for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
     validate(limits.joint[j], "safety.joint[" + std::to_string(j + 1) + "].");
-    joint_[j].limits = limits.joint[j];
+    joint_[j] = {.limits = limits.joint[j], .saturated = LeakyScore(limits.saturation_timeout_s)};
   }
 }
 
@@ -61,7 +61,7 @@ LimiterOutput SafetyLimiter::apply(const JointVector& demand_Nm, const JointVect
       if (q[j] < joint.limits.q_min_rad || q[j] > joint.limits.q_max_rad) {
         out.faults.add(Fault::kJointRange);
       }
-      if (joint.saturated_s > saturation_timeout_s_) {
+      if (joint.saturated.exceeded()) {
         out.faults.add(Fault::kTorqueLimit);
       }
     }
@@ -94,10 +94,8 @@ LimitSet SafetyLimiter::limitJoint(Joint& joint, double demand_Nm, double q, dou
   const double magnitude = std::abs(demand_Nm);
   if (magnitude > limits.torque_Nm) {
     hit.add(Limit::kTorque);
-    joint.saturated_s += dt_s;
-  } else {
-    joint.saturated_s = 0.0;
   }
+  joint.saturated.update(magnitude > limits.torque_Nm, dt_s);
   if (const double sign = demand_Nm > 0.0 ? 1.0 : -1.0; magnitude > bound(sign)) {
     if (rangeShare(sign) < 1.0) {
       hit.add(Limit::kSoftRange);
@@ -121,7 +119,7 @@ LimitSet SafetyLimiter::limitJoint(Joint& joint, double demand_Nm, double q, dou
 void SafetyLimiter::stop() noexcept PATELLA_NONBLOCKING {
   for (Joint& joint : joint_) {
     joint.last_Nm = 0.0;
-    joint.saturated_s = 0.0;
+    joint.saturated.reset();
   }
 }
 

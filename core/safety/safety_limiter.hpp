@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/safety/fault.hpp"
+#include "core/safety/leaky_score.hpp"
 #include "core/types.hpp"
 
 namespace patella::safety {
@@ -93,7 +94,7 @@ class SafetyLimiter {
   struct Joint {
     JointLimits limits;
     double last_Nm = 0.0;
-    double saturated_s = 0.0;
+    LeakyScore saturated;  ///< s of demand above torque_Nm
   };
 
   /// Moves one joint's command towards the demand.
@@ -102,7 +103,6 @@ class SafetyLimiter {
   bool plausible(const JointVector& values) const noexcept;
 
   int joints_;
-  double saturation_timeout_s_;
   std::array<Joint, kMaxJoints> joint_{};
 };
 

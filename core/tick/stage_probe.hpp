@@ -14,7 +14,7 @@ namespace patella::tick {
 enum class Stage : std::uint8_t {
   kReceive,         ///< frames from the bus
   kDecode,          ///< frames to a measurement
-  kLines,           ///< emergency stop in, drive enable and heartbeat out, the watching thread
+  kLinesIn,         ///< emergency stop, and what the watching thread found
   kEmg,             ///< envelope and activation
   kModel,           ///< velocity, known terms with their effects, low-pass of the estimate
   kObserver,        ///< whatever observer is configured
@@ -22,7 +22,8 @@ enum class Stage : std::uint8_t {
   kControl,         ///< reference and control law
   kSafety,          ///< limits, monitors, state machine
   kEncode,          ///< command to a frame
-  kSend,            ///< frame to the bus
+  kSend,            ///< last check, and frame to the bus
+  kLinesOut,        ///< drive enable and heartbeat
   kAccount,         ///< statistics of the run
   kRecord,          ///< into the recorder's rings
   kNetworkPrepare,  ///< phase two: what the next tick can have ready
@@ -32,8 +33,8 @@ enum class Stage : std::uint8_t {
 inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);
 
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "receive", "decode", "lines", "emg",     "model",  "observer",  "network 1", "control",
-    "safety",  "encode", "send",  "account", "record", "network 2", "outside"};
+    "receive", "decode", "lines in", "emg",       "model",   "observer", "network 1", "control",
+    "safety",  "encode", "send",     "lines out", "account", "record",   "network 2", "outside"};
 
 /// Told of every transition within a tick.
 class StageProbe {

@@ -24,6 +24,11 @@ class CommandEncoder {
   /// where one is not finite, all are zero and enable is false.
   Frame encode(const Command& command) noexcept PATELLA_NONBLOCKING;
 
+  /// True for a frame that the drives would take for a command, whoever sent it.
+  bool commands(const Frame& frame) const noexcept PATELLA_NONBLOCKING {
+    return !frame.error && !frame.remote && frame.id == id() && frame.extended == extended();
+  }
+
   std::uint32_t id() const noexcept { return encoder_.layout().id(); }
   bool extended() const noexcept { return encoder_.layout().extended(); }
 

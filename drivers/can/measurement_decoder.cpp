@@ -79,7 +79,8 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   requireAllOrNone(Input::kDriveTorque);
   requireAllOrNone(Input::kTruth);
   for (JointVector* vector : {&measurement_.position_rad, &measurement_.velocity_rad_s,
-                              &measurement_.drive_torque_Nm, &measurement_.true_f_u}) {
+                              &measurement_.drive_torque_Nm, &measurement_.lowest_drive_torque_Nm,
+                              &measurement_.highest_drive_torque_Nm, &measurement_.true_f_u}) {
     vector->setZero(joints_);
   }
   measurement_.has_velocity = isBound(Input::kVelocity);
@@ -315,7 +316,7 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
       measurement_.velocity_rad_s[index] = value;
       break;
     case Input::kDriveTorque:
-      measurement_.drive_torque_Nm[index] = value;
+      drive_reports_.torque(index, value);
       break;
     case Input::kEmg:
       measurement_.emg_mV[input.index] = value;
@@ -326,10 +327,10 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
       measurement_.has_truth = true;
       break;
     case Input::kDriveEnabled:
-      measurement_.drive_enabled = value > 0.5;
+      drive_reports_.enabled(value > 0.5);
       break;
     case Input::kDriveFault:
-      drive_fault_ = value != 0.0;
+      drive_reports_.fault(value != 0.0);
       break;
     case Input::kOperatorEnable:
       enable_stuck_ = enable_stuck_ && value > 0.5;
@@ -371,7 +372,7 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
     enable_stuck_ = reset_stuck_ = true;
     measurement_.operator_enable = measurement_.operator_reset = false;
   }
-  if (drive_fault_)
+  if (drive_reports_.finish(measurement_))
     reading.faults.add(safety::Fault::kDriveFault);
   for (const BoundMessage& message : messages_) {
     if (message.corrupt.tooMany(tolerated_))

@@ -16,6 +16,7 @@
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/can_frame.hpp"
 #include "drivers/can/dbc.hpp"
+#include "drivers/can/drive_reports.hpp"
 #include "drivers/can/message_codec.hpp"
 #include "drivers/can/sample_set.hpp"
 
@@ -55,6 +56,9 @@ class MeasurementDecoder {
   /// Ends the tick's intake. Faults are levels: they are there as long as their cause is. Groups count as
   /// stale only once they have been seen; before that the reading is not complete.
   Reading finish(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
+
+  /// Longest age of an encoder sample that may be acted on, ns.
+  std::int64_t encoderTimeout_ns() const noexcept { return timeouts_ns_[kEncoder]; }
 
   /// Bound messages in the order of their first binding.
   std::size_t messageCount() const noexcept { return messages_.size(); }
@@ -143,7 +147,7 @@ class MeasurementDecoder {
   SampleSet<kMaxJoints> encoder_samples_;
   SampleSet<kMaxEmgChannels> emg_samples_;
   Measurement measurement_;
-  bool drive_fault_ = false;
+  DriveReports drive_reports_;
   /// Not yet seen released since the operator's silence: a cable that is put back is no press.
   bool enable_stuck_ = false;
   bool reset_stuck_ = false;

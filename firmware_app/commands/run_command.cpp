@@ -182,6 +182,10 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   const bool disturbed = !config.faults.empty();
   Loop loop(config.loop, disturbed ? loop_clock : *clock, *backend.bus, disturbed ? loop_pins : *pins,
             decoder, encoder, *tick, &recorder);
+  sim::StallProbe stalls(loop_clock);
+  if (disturbed) {
+    loop.probedBy(stalls);
+  }
 
   // In virtual time nothing is late, and nothing outside waits for torque to end.
   std::optional<Watchdog> watchdog;

@@ -15,6 +15,7 @@ using Names = std::vector<std::string>;
 
 constexpr Range kTime{.minimum = 0.0, .maximum = 1e7};
 constexpr Range kDuration{.minimum = 0.0, .maximum = 1e7, .minimum_open = true};
+constexpr Range kCycle{.minimum = 0.0005, .maximum = 100.0};
 constexpr Range kShare{.minimum = 0.0, .maximum = 1.0, .minimum_open = true};
 
 Names kindNames() {
@@ -142,6 +143,29 @@ void requireStage(const TomlTable& table, const FaultEvent& event, FaultStage st
   }
 }
 
+// A fault that comes and goes has both; a bounce does so by itself.
+void readCycle(const TomlTable& table, FaultEvent& event) {
+  if (event.kind == FaultKind::kGpioBounce) {
+    return;
+  }
+  if (table.has("cycle_s") || table.has("duty")) {
+    event.cycle_s = table.number("cycle_s", kCycle);
+    event.duty = table.number("duty", kShare);
+  }
+}
+
+void readStage(const TomlTable& table, FaultEvent& event) {
+  if (event.kind != FaultKind::kLoopStall) {
+    return;
+  }
+  Names stages{"between"};
+  stages.insert(stages.end(), tick::kStageNames.begin(), tick::kStageNames.end());
+  const int stage = indexOf(stages, table.choice("stage", stages, "between"));
+  if (stage > 0) {
+    event.stage = static_cast<tick::Stage>(stage - 1);
+  }
+}
+
 FaultEvent readFault(const TomlTable& table, FaultStage stage) {
   const Names kinds = kindNames();
   FaultEvent event;
@@ -154,6 +178,8 @@ FaultEvent readFault(const TomlTable& table, FaultStage stage) {
              event.kind == FaultKind::kPeerRestart) {
     event.duration_s = table.number("duration_s", kDuration);  // says that it is missing
   }
+  readCycle(table, event);
+  readStage(table, event);
   readChannel(table, event);
   if (sim::channelGroup(event.kind) == ChannelGroup::kFrames) {
     readFrameParameters(table, event);

@@ -184,6 +184,10 @@ void readSafety(const TomlTable& table, RunConfig& config) {
   config.tick.monitors = readMonitors(table, joints);
   config.loop.overruns_tolerated =
       static_cast<int>(table.integer("overruns_tolerated", 0, 100, config.loop.overruns_tolerated));
+  config.loop.missed_share_tolerated =
+      table.number("missed_share_tolerated",
+                   Range{.minimum = 0.001, .maximum = LoopOptions::kCeilingMissedShare},
+                   config.loop.missed_share_tolerated);
   config.loop.send_failures_tolerated =
       static_cast<int>(table.integer("send_failures_tolerated", 0, 100, config.loop.send_failures_tolerated));
 }

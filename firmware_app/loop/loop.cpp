@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
@@ -50,7 +51,15 @@ Loop::Loop(const LoopOptions& options, Clock& clock, can::Bus& bus, gpio::Pins& 
       tick_(tick),
       recorder_(recorder),
       frames_(kFramesPerTick),
-      statistics_(std::make_unique<LoopStatistics>()) {}
+      statistics_(std::make_unique<LoopStatistics>()),
+      lateness_({.rate_Hz = options.rate_Hz,
+                 .overruns_tolerated = options.overruns_tolerated,
+                 .stall_tolerated_s = options.stall_tolerated_s,
+                 .missed_share_tolerated = options.missed_share_tolerated}),
+      send_failures_(options.send_failures_tolerated) {
+  stop_.torque_Nm = JointVector::Zero(tick.joints());
+  stop_.state = static_cast<std::uint8_t>(safety::State::kFault);
+}
 
 void Loop::run(const std::atomic<bool>& stop) noexcept {
   CountAllocations heap;
@@ -74,6 +83,8 @@ void Loop::run(const std::atomic<bool>& stop) noexcept {
 
     scheduled_ns += period_ns_;
     const std::int64_t behind_ns = clock_.now() - scheduled_ns;
+    statistics_->overruns += behind_ns > 0 ? 1U : 0U;
+    lateness_.end(behind_ns > 0);
     missed = behind_ns > 0 ? static_cast<std::uint32_t>(behind_ns / period_ns_) : 0U;
     scheduled_ns += missed * period_ns_;
     index_ += missed;
@@ -99,7 +110,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   drainBus(woken_ns);
   enter(probe_, Stage::kDecode);
   const can::Reading reading = decoder_.finish(woken_ns);
-  enter(probe_, Stage::kLines);
+  enter(probe_, Stage::kLinesIn);
   const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
 
   tick::TickInput input;
@@ -109,8 +120,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   input.time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond);
   const tick::TickOutput& output = tick_.step(input);
 
-  sendCommand(output.command);
-  enter(probe_, Stage::kLines);
+  const Command& sent = sendCommand(output.command, reading.measurement.encoder_monotonic_ns);
   heartbeat_ = !heartbeat_;
   pins_.setHeartbeat(heartbeat_);
 
@@ -118,12 +128,9 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   const std::int64_t done_ns = clock_.now();
   const std::int64_t execution_ns = done_ns - woken_ns;
   statistics_->execution.add(execution_ns);
-  const bool overrun = done_ns > scheduled_ns + period_ns_;
-  statistics_->overruns += overrun ? 1U : 0U;
-  consecutive_overruns_ = overrun ? consecutive_overruns_ + 1 : 0;
 
   const safety::WarningSet warnings = output.warnings | hostWarnings();
-  account(reading.measurement, output);
+  account(reading.measurement, output, sent);
   for (int i = 0; i < safety::kWarningCount; ++i) {
     statistics_->warning_ticks[static_cast<std::size_t>(i)] +=
         warnings.has(static_cast<safety::Warning>(i)) ? 1U : 0U;
@@ -135,7 +142,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   record_.wakeup_latency_ns = woken_ns - scheduled_ns;
   record_.execution_ns = execution_ns;
   enter(probe_, Stage::kRecord);
-  record(reading.measurement, output);
+  record(reading.measurement, output, sent);
 
   // Phase two: what the next tick can have ready before its frame arrives.
   enter(probe_, Stage::kNetworkPrepare);
@@ -153,6 +160,8 @@ void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
     if (frame.own) {
       continue;
     }
+    // Whoever else commands the drives has them: they obey the newest frame.
+    foreign_command_ = foreign_command_ || encoder_.commands(frame);
     decoder_.accept(frame);
   }
   enter(probe_, Stage::kRecord);
@@ -172,13 +181,16 @@ safety::FaultSet Loop::hostFaults(std::int64_t scheduled_ns,
   if (bus_.down()) {
     faults.add(safety::Fault::kBusOff);
   }
-  if (consecutive_send_failures_ > options_.send_failures_tolerated) {
+  if (send_failures_.exceeded()) {
     faults.add(safety::Fault::kSendFailed);
   }
-  const double gap_s = static_cast<double>(missed * period_ns_) / static_cast<double>(kNanosecondsPerSecond);
-  if (consecutive_overruns_ > options_.overruns_tolerated || gap_s > options_.stall_tolerated_s) {
+  if (lateness_.begin(missed)) {
     faults.add(safety::Fault::kOverrun);
   }
+  if (std::exchange(foreign_command_, false)) {
+    faults.add(safety::Fault::kForeignCommand);
+  }
+  faults = faults | std::exchange(late_faults_, {});
   if (watchdog_ != nullptr) {
     watchdog_->beat(scheduled_ns);
     if (watchdog_->takeTrip()) {
@@ -211,27 +223,60 @@ safety::WarningSet Loop::hostWarnings() noexcept PATELLA_NONBLOCKING {
   return warnings;
 }
 
-void Loop::sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING {
-  if (EmergencyExit::begun()) {
-    return;  // the handler of the signal that ends the process has the bus and the line
+// Whether torque may still follow from what was measured then: a stall within the tick makes it old, and the
+// watchdog may have taken the line down meanwhile.
+bool Loop::fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
+  const bool old = clock_.now() - measured_ns > decoder_.encoderTimeout_ns();
+  const bool tripped = watchdog_ != nullptr && watchdog_->tripped();
+  if (old || tripped) {
+    late_faults_.add(safety::Fault::kCommandLate);
   }
+  return !old && !tripped;
+}
+
+const Command& Loop::sendCommand(const Command& command,
+                                 std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
   enter(probe_, Stage::kEncode);
   can::Frame frame = encoder_.encode(command);
   enter(probe_, Stage::kSend);
-  const can::SendResult result = bus_.send(frame, clock_.now());
-  consecutive_send_failures_ = result == can::SendResult::kSent ? 0 : consecutive_send_failures_ + 1;
-  sent_wall_ns_ = result == can::SendResult::kSent ? frame.wall_ns : 0;
-  enter(probe_, Stage::kLines);
+  if (EmergencyExit::begun()) {
+    return stop_;  // the handler of the signal that ends the process has the bus and the line
+  }
+  const bool allowed = !command.enable || fresh(measured_ns);
+  if (!allowed) {
+    frame = encoder_.encode(stop_);
+  }
+  const Command& sent = allowed ? command : stop_;
+  const bool gone = bus_.send(frame, clock_.now()) == can::SendResult::kSent;
+  send_failures_.update(!gone, 1.0);
+  sent_wall_ns_ = gone ? frame.wall_ns : 0;
+  enter(probe_, Stage::kLinesOut);
   // The enable line follows the command only when the drive could be told.
-  pins_.setDriveEnable(command.enable && result == can::SendResult::kSent);
+  setLine(sent.enable && gone, measured_ns);
   enter(probe_, Stage::kRecord);
-  if (recorder_ != nullptr && result == can::SendResult::kSent) {
+  if (recorder_ != nullptr && gone) {
     recorder_->frame(frame);
+  }
+  enter(probe_, Stage::kLinesOut);
+  return sent;
+}
+
+// Raises the line once, and takes it down as often as it must be low: where the watchdog took it down, it stays
+// so. A trip that comes between the look and the rise is seen right after it.
+void Loop::setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
+  if (enable && line_up_) {
+    return;
+  }
+  const bool raise = enable && !EmergencyExit::begun() && fresh(measured_ns);
+  line_up_ = pins_.setDriveEnable(raise) && raise;
+  if (line_up_ && (EmergencyExit::begun() || !fresh(measured_ns))) {
+    line_up_ = false;
+    pins_.setDriveEnable(false);
   }
 }
 
-void Loop::account(const Measurement& measurement,
-                   const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING {
+void Loop::account(const Measurement& measurement, const tick::TickOutput& output,
+                   const Command& sent) noexcept PATELLA_NONBLOCKING {
   LoopStatistics& s = *statistics_;
   ++s.ticks;
   ++s.state_ticks[static_cast<std::size_t>(output.state)];
@@ -248,8 +293,8 @@ void Loop::account(const Measurement& measurement,
   previous_faults_ = output.faults;
   const auto [hip, knee] = output.limits;
   s.limit_ticks += hip.any() || knee.any() ? 1U : 0U;
-  if (output.command.torque_Nm.size() > 0) {
-    s.max_torque_Nm = std::max(s.max_torque_Nm, output.command.torque_Nm.cwiseAbs().maxCoeff());
+  if (sent.torque_Nm.size() > 0) {
+    s.max_torque_Nm = std::max(s.max_torque_Nm, sent.torque_Nm.cwiseAbs().maxCoeff());
   }
   if (measurement.has_truth && output.estimated) {
     s.sampler_error.add(output.f_s, measurement.true_f_u);
@@ -274,8 +319,8 @@ void Loop::account(const Measurement& measurement,
   }
 }
 
-void Loop::record(const Measurement& measurement,
-                  const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING {
+void Loop::record(const Measurement& measurement, const tick::TickOutput& output,
+                  const Command& sent) noexcept PATELLA_NONBLOCKING {
   if (recorder_ == nullptr) {
     return;
   }
@@ -297,7 +342,7 @@ void Loop::record(const Measurement& measurement,
   r.torque_emg_Nm = toArray(output.control.emg);
   r.torque_impedance_Nm = toArray(output.control.impedance);
   r.torque_compensation_Nm = toArray(output.control.compensation);
-  r.torque_command_Nm = toArray(output.command.torque_Nm);
+  r.torque_command_Nm = toArray(sent.torque_Nm);
   r.faults = output.faults.bits();
   r.limits = output.limits[0].bits() | static_cast<std::uint32_t>(output.limits[1].bits() << 8U);
   r.state = static_cast<std::uint8_t>(output.state);

@@ -14,6 +14,7 @@
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/clock/clock.hpp"
 #include "drivers/gpio/pins.hpp"
+#include "firmware_app/loop/lateness.hpp"
 #include "firmware_app/loop/latency_histogram.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
@@ -22,10 +23,12 @@ namespace patella::app {
 
 struct LoopOptions {
   static constexpr double kCeilingStall_s = 1.0;
+  static constexpr double kCeilingMissedShare = 0.2;
   double rate_Hz = 1000.0;
   std::uint64_t max_ticks = 0;      ///< 0: until stopped or the backend is exhausted
   int overruns_tolerated = 3;       ///< consecutive ticks that may miss their period before a fault
-  int send_failures_tolerated = 3;  ///< consecutive commands that may be lost before a fault
+  double missed_share_tolerated = 0.05;  ///< of the periods, for good; more is a fault, the more the sooner
+  int send_failures_tolerated = 3;  ///< commands that may be lost in a row, or among others, before a fault
   double stall_tolerated_s = 0.02;  ///< longest gap between two ticks; the drives drop torque after 20 ms
   double clock_step_s = 0.05;       ///< change of wall time against the loop's clock that is told of
   int warmup_ticks = 200;           ///< heap operations and page faults are counted from here on
@@ -92,9 +95,14 @@ class Loop {
   void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
   safety::FaultSet hostFaults(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   safety::WarningSet hostWarnings() noexcept PATELLA_NONBLOCKING;
-  void sendCommand(const Command& command) noexcept PATELLA_NONBLOCKING;
-  void account(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
-  void record(const Measurement& measurement, const tick::TickOutput& output) noexcept PATELLA_NONBLOCKING;
+  /// Sends it, or zero torque where it comes too late; returns what was sent.
+  const Command& sendCommand(const Command& command, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
+  bool fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
+  void setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
+  void account(const Measurement& measurement, const tick::TickOutput& output,
+               const Command& sent) noexcept PATELLA_NONBLOCKING;
+  void record(const Measurement& measurement, const tick::TickOutput& output,
+              const Command& sent) noexcept PATELLA_NONBLOCKING;
   void shutDown() noexcept;
 
   LoopOptions options_;
@@ -113,8 +121,12 @@ class Loop {
   TickRecord record_;
   std::int64_t start_ns_ = 0;
   std::uint64_t index_ = 0;
-  int consecutive_overruns_ = 0;
-  int consecutive_send_failures_ = 0;
+  Lateness lateness_;
+  safety::LeakyScore send_failures_;  ///< commands
+  safety::FaultSet late_faults_;      ///< found after the tick was computed; the next one makes them latch
+  Command stop_;                      ///< what is sent in place of a command that comes too late
+  bool foreign_command_ = false;      ///< seen in this tick
+  bool line_up_ = false;              ///< as this loop set it
   std::int64_t sent_wall_ns_ = 0;
   std::int64_t wall_offset_ns_ = 0;
   bool wall_offset_known_ = false;

@@ -94,11 +94,14 @@ void Watchdog::run() noexcept {
       }
       continue;
     }
-    if (now - seen_at > timeout && !tripped) {
-      tripped = true;
+    if (now - seen_at > timeout) {
+      if (!tripped) {
+        tripped = true;
+        trips_.fetch_add(1, std::memory_order_relaxed);
+        tripped_.store(true, std::memory_order_release);
+      }
+      // At each look: a loop that stood still just before it raised the line may have done so since.
       pins_.setDriveEnable(false);
-      trips_.fetch_add(1, std::memory_order_relaxed);
-      tripped_.store(true, std::memory_order_release);
     }
   }
 }

@@ -43,6 +43,8 @@ class Watchdog {
     scheduled_ns_.store(scheduled_ns, std::memory_order_relaxed);
     beats_.fetch_add(1, std::memory_order_relaxed);
   }
+  /// True from a trip on until takeTrip().
+  bool tripped() const noexcept PATELLA_NONBLOCKING { return tripped_.load(std::memory_order_acquire); }
   /// True once after each trip: the loop, living again, makes a latched fault of it.
   bool takeTrip() noexcept PATELLA_NONBLOCKING {
     return tripped_.load(std::memory_order_relaxed) && tripped_.exchange(false, std::memory_order_acq_rel);

@@ -93,12 +93,9 @@ TEST_CASE("Eigen asks for no heap in the loop") {
   input.measurement.encoder_steps = 1;
   input.measurement.emg_steps = 1;
   input.measurement.has_velocity = true;
-  for (JointVector* vector : {&input.measurement.position_rad, &input.measurement.velocity_rad_s,
-                              &input.measurement.drive_torque_Nm}) {
-    vector->setConstant(2, -0.5);
-  }
-  input.measurement.velocity_rad_s.setZero();
-  input.measurement.drive_torque_Nm.setZero();
+  input.measurement.position_rad.setConstant(2, -0.5);
+  input.measurement.velocity_rad_s.setZero(2);
+  input.measurement.reportDriveTorque(JointVector::Zero(2));
   const ForbidEigenHeap forbid;
   for (int i = 0; i < 500; ++i) {
     input.measurement.operator_enable = i > 100;

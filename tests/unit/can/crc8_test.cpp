@@ -50,3 +50,32 @@ TEST_CASE("a frame's CRC covers its identifier and all data but itself") {
     CHECK(frameCrc(frame, 7) != first);
   }
 }
+
+TEST_CASE("errors of one and two bits in a frame of eight bytes are always found, of three all but one in 210") {
+  // The code is linear: an error passes where its own remainder, from a register of zeros, is zero.
+  constexpr std::size_t kBits = 64;
+  std::array<std::uint8_t, kBits> remainder{};
+  for (std::size_t bit = 0; bit < kBits; ++bit) {
+    std::uint8_t state = 0;
+    for (std::size_t byte = 0; byte < 7; ++byte) {
+      state = kCrc8Table[state ^ (bit / 8 == byte ? 1U << (bit % 8) : 0U)];
+    }
+    remainder[bit] = bit / 8 == 7 ? static_cast<std::uint8_t>(1U << (bit % 8)) : state;
+  }
+  int pairs = 0;
+  int triples = 0;
+  int all_triples = 0;
+  for (std::size_t i = 0; i < kBits; ++i) {
+    CHECK(remainder[i] != 0);
+    for (std::size_t j = 0; j < i; ++j) {
+      pairs += remainder[i] == remainder[j] ? 1 : 0;
+      for (std::size_t k = 0; k < j; ++k) {
+        triples += (remainder[i] ^ remainder[j]) == remainder[k] ? 1 : 0;
+        ++all_triples;
+      }
+    }
+  }
+  CHECK(pairs == 0);
+  CHECK(all_triples == 41664);
+  CHECK(triples == 198);
+}

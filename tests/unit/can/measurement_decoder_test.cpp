@@ -33,7 +33,8 @@ TEST_CASE("all inputs arrive in SI units, and the reading is complete once each 
   CHECK(m.emg_mV[1] == doctest::Approx(-0.6));
   CHECK(m.has_velocity);
   CHECK(m.has_drive_torque);
-  CHECK(m.drive_enabled);
+  CHECK(m.drive_was_enabled);
+  CHECK_FALSE(m.drive_was_disabled);
   CHECK(m.operator_enable);
   CHECK(m.operator_reset);
   CHECK_FALSE(m.has_truth);
@@ -366,4 +367,28 @@ TEST_CASE("what cannot be bound is named together with what exists") {
   map.encoder_timeout_s = 0.0;
   CHECK(why(map).starts_with("encoder_timeout_s is 0"));
   CHECK(why(test::rigMap(), 3).starts_with("number of joints is 3"));
+}
+
+TEST_CASE("a wrong report of the drives is one, though a right one follows within the tick") {
+  Fixture f;
+  const auto report = [&](double torque_Nm, double enabled, double fault) {
+    f.decoder.accept(f.rig.make(
+        "DriveStatus", 0, {{"Torque1", torque_Nm}, {"Torque2", 0.0}, {"Enabled", enabled}, {"Fault", fault}}));
+  };
+  f.encoders(0, 0.0, 0.0);
+  report(260.0, 1.0, 1.0);
+  report(-3.0, 0.0, 0.0);
+  Reading reading = f.decoder.finish(0);
+  CHECK(reading.measurement.drive_torque_Nm[0] == doctest::Approx(-3.0));
+  CHECK(reading.measurement.lowest_drive_torque_Nm[0] == doctest::Approx(-3.0));
+  CHECK(reading.measurement.highest_drive_torque_Nm[0] == doctest::Approx(260.0));
+  CHECK(reading.measurement.drive_was_enabled);
+  CHECK(reading.measurement.drive_was_disabled);
+  CHECK(reading.faults.has(Fault::kDriveFault));
+
+  reading = f.decoder.finish(kMillisecond);  // nothing new: what was said last
+  CHECK(reading.measurement.highest_drive_torque_Nm[0] == doctest::Approx(-3.0));
+  CHECK_FALSE(reading.measurement.drive_was_enabled);
+  CHECK(reading.measurement.drive_was_disabled);
+  CHECK_FALSE(reading.faults.has(Fault::kDriveFault));
 }

@@ -1,4 +1,7 @@
 // Statements about torque that the whole loop has to keep, from the line or the frame to the drive.
+#include <cmath>
+#include <thread>
+
 #include <doctest/doctest.h>
 
 #include "simulated_run.hpp"
@@ -141,4 +144,163 @@ TEST_CASE(
   run.run(600);
   CHECK_FALSE(enabled_after_the_stall);
   CHECK(run.rig().statistics().watchdog_trips >= 1);
+}
+
+namespace {
+
+constexpr std::int64_t kStall_ns = 300 * kPeriod_ns;
+
+// What stood between a measurement and its command is in the command's way.
+bool beforeTheCommand(tick::Stage stage) {
+  return stage <= tick::Stage::kSend;
+}
+
+}  // namespace
+
+TEST_CASE("wherever a stall strikes in a tick: what it made old is not sent, and the stop latches") {
+  using tick::Stage;
+  for (int i = 0; i < static_cast<int>(Stage::kOutside); ++i) {
+    const auto stage = static_cast<Stage>(i);
+    if (stage == Stage::kNetworkStep) {
+      continue;  // no network here
+    }
+    CAPTURE(tick::kStageNames[static_cast<std::size_t>(i)]);
+    SimulatedRun run;
+    int tick = 0;
+    bool stalled = false;
+    run.script = [&](int number) { tick = number; };
+    run.probe.at_stage = [&](Stage entered) {
+      if (tick == 500 && entered == stage && !stalled) {
+        stalled = true;
+        run.clock.pass(kStall_ns);
+      }
+    };
+    const LoopStatistics& statistics = run.run(700);
+    REQUIRE(stalled);
+    CHECK(run.command(499).enable);
+    if (stage == Stage::kReceive) {
+      checkNoTorque(run, 501);  // the stall comes before the number of the tick is known: it is one further
+    } else if (beforeTheCommand(stage) || stage == Stage::kRecord) {
+      checkNoTorque(run, 500);
+    }
+    for (int later = 501; later < 699; ++later) {
+      checkNoTorque(run, later);
+    }
+    CHECK(statistics.final_state == State::kFault);
+    CHECK(statistics.stops == 1);
+    // Frames are recorded before the command, too.
+    CHECK(statistics.latched.has(Fault::kCommandLate) == (beforeTheCommand(stage) || stage == Stage::kRecord));
+  }
+}
+
+TEST_CASE("a stall before the enable line rises keeps it down, and torque needs a reset") {
+  SimulatedRun run;
+  int tick = 0;
+  int enabled_at = -1;
+  run.script = [&](int number) { tick = number; };
+  run.probe.at_stage = [&](tick::Stage stage) {
+    const bool first_enable = stage == tick::Stage::kLinesOut && enabled_at < 0 && run.command(tick).enable;
+    if (first_enable) {
+      enabled_at = tick;
+      run.clock.pass(30 * kPeriod_ns);
+    }
+  };
+  const LoopStatistics& statistics = run.run(600);
+  REQUIRE(enabled_at > 0);
+  for (int t = enabled_at; t < 599; ++t) {
+    CHECK_FALSE(run.driveEnable(t));
+  }
+  CHECK(statistics.latched.has(Fault::kCommandLate));
+}
+
+TEST_CASE("a line that the watchdog took down within a tick is not raised by it, nor is its command sent") {
+  for (const tick::Stage stage : {tick::Stage::kModel, tick::Stage::kSend, tick::Stage::kLinesOut}) {
+    CAPTURE(tick::kStageNames[static_cast<std::size_t>(stage)]);
+    SimulatedRun run;
+    Watchdog watchdog({.timeout_s = 0.02}, run.pins);
+    run.watchdog = &watchdog;
+    int tick = 0;
+    bool stalled = false;
+    bool low_after_stall = true;
+    run.script = [&](int number) {
+      tick = number;
+      low_after_stall = low_after_stall && (!stalled || !run.pins.driveEnable());
+    };
+    run.probe.at_stage = [&](tick::Stage entered) {
+      if (tick == 500 && entered == stage && !stalled) {
+        stalled = true;
+        const std::uint64_t before = watchdog.trips();
+        while (watchdog.trips() == before) {  // the loop's own clock stands still: nothing is old by it
+          std::this_thread::yield();
+        }
+      }
+    };
+    const LoopStatistics& statistics = run.run(700);
+    watchdog.stop();
+    REQUIRE(stalled);
+    CHECK(low_after_stall);
+    if (stage != tick::Stage::kLinesOut) {
+      checkNoTorque(run, 500);
+    }
+    for (int later = 501; later < 699; ++later) {
+      checkNoTorque(run, later);
+    }
+    CHECK(statistics.latched.has(Fault::kWatchdog));
+  }
+}
+
+TEST_CASE("periods missed again and again are a fault by their share, some now and then are none") {
+  const auto lateEvery = [](int ticks, double periods) {
+    SimulatedRun run;
+    run.script = [&run, ticks, periods](int tick) {
+      run.clock.pass(tick >= 300 && tick % ticks == 0 ? std::llround(periods * kPeriod_ns) : 0);
+    };
+    const LoopStatistics& statistics = run.run(2500);
+    CHECK(statistics.latched.has(Fault::kOverrun) == (statistics.final_state == State::kFault));
+    return statistics.final_state;
+  };
+  CHECK(lateEvery(2, 1.5) == State::kFault);   // one period in three is missed
+  CHECK(lateEvery(3, 1.2) == State::kFault);   // every third tick ends late, no period is missed as a whole
+  CHECK(lateEvery(10, 4.5) == State::kFault);  // never two late ticks in a row
+  CHECK(lateEvery(100, 4.5) == State::kActive);
+  CHECK(lateEvery(25, 1.5) == State::kActive);
+}
+
+TEST_CASE("commands that do not go out now and then are no fault, every other one is") {
+  const auto cutEvery = [](int ticks) {
+    SimulatedRun run;
+    run.script = [&run, ticks](int tick) { run.bus.cut = tick >= 500 && tick % ticks != 0; };
+    return run.run(700).latched.has(Fault::kSendFailed);
+  };
+  CHECK(cutEvery(2));
+  CHECK(cutEvery(4));
+  SimulatedRun seldom;
+  seldom.script = [&](int tick) { seldom.bus.cut = tick >= 500 && tick % 20 == 0; };
+  CHECK(seldom.run(1500).final_state == State::kActive);
+}
+
+TEST_CASE("a command of another sender on the bus stops torque in the tick that hears it") {
+  SimulatedRun run;
+  run.script = [&](int tick) {
+    if (tick == 500) {
+      run.bus.injected = run.bus.tried.back();
+    }
+  };
+  const LoopStatistics& statistics = run.run(700);
+  CHECK(run.command(499).enable);
+  for (int tick = 500; tick < 699; ++tick) {
+    checkNoTorque(run, tick);
+  }
+  CHECK(statistics.latched == safety::FaultSet{Fault::kForeignCommand});
+}
+
+TEST_CASE("the loop's own command that comes back to it is none of another sender") {
+  SimulatedRun run;
+  run.script = [&](int tick) {
+    if (tick >= 500) {
+      run.bus.injected = run.bus.tried.back();
+      run.bus.injected->own = true;
+    }
+  };
+  CHECK(run.run(700).final_state == State::kActive);
 }

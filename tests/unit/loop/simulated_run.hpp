@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/estimation/implicit_sampler.hpp"
@@ -47,7 +49,11 @@ class HandBus final : public can::Bus {
   std::size_t receive(std::span<can::Frame> frames,
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
     at_tick_(ticks_++);
-    return bus_.receive(frames, now_ns);
+    std::size_t count = bus_.receive(frames, now_ns);
+    if (injected && count < frames.size()) {
+      frames[count++] = *std::exchange(injected, std::nullopt);
+    }
+    return count;
   }
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
     tried.push_back(frame);
@@ -56,6 +62,7 @@ class HandBus final : public can::Bus {
   bool down() const noexcept override { return off; }
   can::BusStatistics statistics() const noexcept override { return bus_.statistics(); }
 
+  std::optional<can::Frame> injected;  ///< heard in the next tick
   bool cut = false;
   bool off = false;
   std::vector<can::Frame> tried;  ///< every command, whether it went out or not
@@ -64,6 +71,13 @@ class HandBus final : public can::Bus {
   sim::SimulatedBus bus_;
   std::function<void(int)> at_tick_;
   int ticks_ = 0;
+};
+
+/// Calls a function at each stage of each tick.
+class HandProbe final : public tick::StageProbe {
+ public:
+  void enter(tick::Stage stage) noexcept PATELLA_NONBLOCKING override { at_stage(stage); }
+  std::function<void(tick::Stage)> at_stage = [](tick::Stage) {};
 };
 
 /// A command frame as the drive reads it (patella.dbc, TorqueCommand).
@@ -100,6 +114,10 @@ class SimulatedRun {
   const LoopStatistics& run(std::uint64_t ticks) {
     config_.loop.max_ticks = ticks;
     loop_ = std::make_unique<Loop>(config_.loop, clock, bus, pins, decoder_, encoder_, *tick_, nullptr);
+    loop_->probedBy(probe);
+    if (watchdog != nullptr) {
+      loop_->watchedBy(*watchdog);
+    }
     loop_->run(stop);
     return loop_->statistics();
   }
@@ -137,6 +155,8 @@ class SimulatedRun {
   HandClock clock;
   gpio::SimulatedPins pins;
   HandBus bus;
+  HandProbe probe;
+  Watchdog* watchdog = nullptr;
   std::atomic<bool> stop{false};
 };
 

@@ -62,7 +62,7 @@ class SimulatedLeg {
     input.complete = true;
     input.measurement.has_velocity = true;
     input.measurement.has_drive_torque = true;
-    input.measurement.drive_torque_Nm = pair(0.0, 0.0);
+    input.measurement.reportDriveTorque(pair(0.0, 0.0));
   }
 
   /// One tick; the leg moves before it, under the torque of the tick before. `encoder_steps` of 0 means
@@ -81,7 +81,7 @@ class SimulatedLeg {
     input.time_s = time_s;
     const TickOutput& output = tick.step(input);
     torque = output.command.enable ? output.command.torque_Nm : pair(0.0, 0.0);
-    m.drive_torque_Nm = torque;
+    m.reportDriveTorque(torque);
     tick.prepareNext();
     time_s += kPeriod_s;
     return output;

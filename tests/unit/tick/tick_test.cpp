@@ -187,7 +187,7 @@ TEST_CASE("a drive torque that was sampled, not held, is averaged over the step"
       const double t_s = i * kPeriod_s;
       input.measurement.position_rad = JointVector::Constant(1, kSlope_Nm_s * t_s * t_s * t_s / 6.0);
       input.measurement.velocity_rad_s = JointVector::Constant(1, kSlope_Nm_s * t_s * t_s / 2.0);
-      input.measurement.drive_torque_Nm = JointVector::Constant(1, kSlope_Nm_s * t_s);
+      input.measurement.reportDriveTorque(JointVector::Constant(1, kSlope_Nm_s * t_s));
       input.time_s = t_s;
       f_s = tick.step(input).f_s[0];
     }

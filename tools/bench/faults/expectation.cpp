@@ -2,6 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "core/safety/encoder_monitor.hpp"
+#include "core/safety/leaky_score.hpp"
+#include "drivers/can/bad_frames.hpp"
+#include "tools/bench/faults/scenario.hpp"
+#include "tools/bench/faults/stall_schedule.hpp"
 
 namespace patella::bench {
 namespace {
@@ -10,119 +17,357 @@ using sim::FaultEvent;
 using sim::FaultKind;
 using sim::FrameChannel;
 
-constexpr double kTick_s = 1e-3;
+constexpr double kSample_s = 1e-3;
 /// Between the effect and the tick that sees it, and its own.
-constexpr double kMargin_s = 2.0 * kTick_s;
-/// Pairs of a good and a bad frame until the score of bad ones is too high, and one more.
-constexpr double kInterleaved = 10.0;
+constexpr double kMargin_s = 2.0 * kSample_s;
+/// A condition that lasts but a sample longer than tolerated may be judged either way.
+constexpr double kUncertain_s = 2.0 * kSample_s;
 
-bool contains(const FaultEvent& event, FrameChannel channel) {
-  return event.concerns(static_cast<int>(channel));
+// Whether the frames that show `event` are among those that `other` does something to.
+bool shareFrames(const FaultEvent& event, const FaultEvent& other) {
+  switch (sim::channelGroup(event.kind)) {
+    case sim::ChannelGroup::kFrames:
+      return event.channel == FaultEvent::kAll || other.concerns(event.channel);
+    case sim::ChannelGroup::kEncoder:
+      return other.concerns(static_cast<int>(event.channel == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2));
+    case sim::ChannelGroup::kEmg:
+      return other.concerns(static_cast<int>(FrameChannel::kEmg));
+    default:
+      return true;
+  }
 }
 
-// Shortest silence that one of the channels does not survive, of the one there is. Frames that are all
-// delayed leave a silence as long as the delay.
-std::optional<double> silenceBudget_s(const FaultEvent& event, const app::RunConfig& config) {
-  const double silence_s =
-      event.kind == FaultKind::kDelayedFrames ? std::min(event.delay_s, event.duration_s) : event.duration_s;
-  const can::BusMap& map = config.bus.map;
-  std::optional<double> budget;
-  const auto atMost = [&](FrameChannel channel, double seconds) {
-    if (contains(event, channel) && silence_s > seconds && (!budget || seconds < *budget)) {
-      budget = seconds;
+// A fault as the loop can see it, sample by sample from its effect on.
+class Sight {
+ public:
+  Sight(const std::vector<FaultEvent>& faults, std::size_t index, double effect_s)
+      : faults_(faults), event_(faults[index]), effect_s_(effect_s) {}
+
+  /// Calls judge(t, there, heard) for each sample: whether the fault is there, and whether the sample comes through
+  /// at all. Returns the first t for which it says true.
+  template <typename Judge>
+  std::optional<double> walk(double period_s, Judge&& judge) const {
+    const auto first = static_cast<std::int64_t>(std::ceil(effect_s_ / period_s - 1e-6));
+    for (std::int64_t k = first; static_cast<double>(k) * period_s < kTrialDuration_s; ++k) {
+      const double t = static_cast<double>(k) * period_s;
+      if (judge(t, event_.activeAt(t), !hidden(t))) {
+        return t;
+      }
     }
-  };
-  atMost(FrameChannel::kEncoder1, map.encoder_timeout_s + kMargin_s);
-  atMost(FrameChannel::kEncoder2, map.encoder_timeout_s + kMargin_s);
-  atMost(FrameChannel::kDriveStatus, map.drive_timeout_s + kMargin_s);
-  atMost(FrameChannel::kEmg, map.emg_timeout_s + kMargin_s);
-  atMost(FrameChannel::kCommand, config.rig.drive.watchdog_s + 2.0 * kMargin_s);
-  atMost(FrameChannel::kOperator, map.operator_timeout_s + 10.0 * kTick_s + kMargin_s);
-  return budget;
-}
-
-std::optional<double> frameBudget_s(const FaultEvent& event, const app::RunConfig& config) {
-  if (event.probability < 1.0) {
     return std::nullopt;
   }
-  const double period_s =
-      event.channel == static_cast<int>(FrameChannel::kOperator) ? 10.0 * kTick_s : kTick_s;
-  const double in_a_row_s = (config.bus.map.tolerated_bad_frames + 1) * period_s + kMargin_s;
-  const double interleaved_s = kInterleaved * period_s + kMargin_s;
-  const bool guarded = event.channel != static_cast<int>(FrameChannel::kTruth);
-  const bool command = event.channel == static_cast<int>(FrameChannel::kCommand);
-  switch (event.kind) {
-    case FaultKind::kLostFrames:
-    case FaultKind::kDelayedFrames:
-      return silenceBudget_s(event, config);
-    case FaultKind::kFlippedBits:
-      if (command) {
-        return silenceBudget_s(event, config);
+  const FaultEvent& event() const { return event_; }
+
+ private:
+  // Another fault keeps the samples from coming, or shows something else in their place.
+  bool hidden(double t) const {
+    return std::any_of(faults_.begin(), faults_.end(), [&](const FaultEvent& other) {
+      if (&other == &event_ || !other.activeAt(t) || other.probability < 1.0) {
+        return false;
       }
-      return guarded ? std::optional(in_a_row_s) : std::nullopt;
-    case FaultKind::kReorderedFrames:
-      return guarded && !command ? std::optional(in_a_row_s + 2.0 * period_s) : std::nullopt;
-    case FaultKind::kDuplicatedFrames:
-      return guarded && !command ? std::optional(interleaved_s) : std::nullopt;
-    case FaultKind::kForgedFrames:
-      // A forged command is answered by the drives' report, which Trial judges.
-      return guarded && !command ? std::optional(interleaved_s) : std::nullopt;
+      switch (other.kind) {
+        case FaultKind::kEncoderFreeze:
+          return sim::channelGroup(event_.kind) == sim::ChannelGroup::kEncoder &&
+                 other.channel == event_.channel;
+        case FaultKind::kLostFrames:
+        case FaultKind::kDelayedFrames:
+        case FaultKind::kReorderedFrames:
+        case FaultKind::kFlippedBits:
+        case FaultKind::kForgedFrames:
+          return shareFrames(event_, other);
+        case FaultKind::kRigStall:
+        case FaultKind::kPeerRestart:
+        case FaultKind::kBusOff:
+        case FaultKind::kInterfaceDown:
+          return true;
+        default:
+          return false;
+      }
+    });
+  }
+
+  const std::vector<FaultEvent>& faults_;
+  const FaultEvent& event_;
+  double effect_s_;
+};
+
+std::optional<double> earlier(std::optional<double> one, std::optional<double> other) {
+  return one && other ? std::min(*one, *other) : one ? one : other;
+}
+std::optional<double> after(std::optional<double> instant_s, double span_s) {
+  return instant_s ? std::optional(*instant_s + span_s) : std::nullopt;
+}
+
+double framePeriod_s(FrameChannel channel) {
+  return channel == FrameChannel::kOperator ? 10.0 * kSample_s : kSample_s;
+}
+
+// Silence of a channel until its age is beyond the timeout.
+std::optional<double> silence(const Sight& sight, double timeout_s, double period_s, double longest_s) {
+  double age_s = period_s;
+  double since_s = 0.0;
+  const auto found = sight.walk(kSample_s, [&](double, bool there, bool) {
+    since_s = there ? since_s + kSample_s : 0.0;
+    age_s = there && since_s <= longest_s ? age_s + kSample_s : period_s;
+    return age_s > timeout_s + kUncertain_s;
+  });
+  return after(found, kMargin_s);
+}
+
+std::optional<double> silenceOf(const Sight& sight, FrameChannel channel, const app::RunConfig& config,
+                                double longest_s) {
+  const can::BusMap& map = config.bus.map;
+  const auto owed = [&](double timeout_s) {
+    return silence(sight, timeout_s, framePeriod_s(channel), longest_s);
+  };
+  switch (channel) {
+    case FrameChannel::kEncoder1:
+    case FrameChannel::kEncoder2:
+      return owed(map.encoder_timeout_s);
+    case FrameChannel::kDriveStatus:
+      return owed(map.drive_timeout_s);
+    case FrameChannel::kEmg:
+      return owed(map.emg_timeout_s);
+    case FrameChannel::kOperator:
+      return owed(map.operator_timeout_s);
+    case FrameChannel::kCommand:
+      return after(owed(config.rig.drive.watchdog_s), kMargin_s);
     default:
       return std::nullopt;
   }
 }
 
+// Frames of one channel that are bad in a row, or too often: `frames(there)` says of each sample how many good and
+// bad frames it brings, in the order of what comes.
+struct FramesOfASample {
+  int good_before = 0;
+  int bad = 0;
+  int good_after = 0;
+};
+template <typename Frames>
+std::optional<double> badFrames(const Sight& sight, double period_s, int tolerated, Frames&& frames) {
+  can::BadFrames count;
+  const auto found = sight.walk(period_s, [&](double, bool there, bool heard) {
+    const FramesOfASample sample = frames(there);
+    if (!heard) {
+      return false;
+    }
+    for (int i = 0; i < sample.good_before; ++i) {
+      count.count(false, tolerated + 1);
+    }
+    for (int i = 0; i < sample.bad; ++i) {
+      count.count(true, tolerated + 1);
+    }
+    for (int i = 0; i < sample.good_after; ++i) {
+      count.count(false, tolerated + 1);
+    }
+    return count.tooMany(tolerated + 1);  // one more than the loop tolerates: where the first falls is uncertain
+  });
+  return after(found, kMargin_s + period_s);
+}
+
+// An error of three bits passes the CRC once in 210 (unit/can/crc8_test.cpp): as many frames more as make two passes in a row of them
+// rarer than one in a million.
+int toleratedFlips(const FaultEvent& event, int tolerated) {
+  constexpr int kCrcDetects = 2;
+  return event.bits > kCrcDetects ? 3 * (tolerated + 1) : tolerated;
+}
+
+std::optional<double> framesOf(const Sight& sight, FrameChannel channel, const app::RunConfig& config) {
+  const FaultEvent& event = sight.event();
+  const int tolerated = config.bus.map.tolerated_bad_frames;
+  const double period_s = framePeriod_s(channel);
+  bool waiting = false;
+  switch (event.kind) {
+    case FaultKind::kLostFrames:
+      return silenceOf(sight, channel, config, event.duration_s);
+    case FaultKind::kDelayedFrames:
+      return silenceOf(sight, channel, config, event.delay_s);
+    case FaultKind::kFlippedBits:
+      return badFrames(sight, period_s, toleratedFlips(event, tolerated),
+                       [](bool there) { return FramesOfASample{.bad = there, .good_after = !there}; });
+    case FaultKind::kReorderedFrames:
+      return badFrames(sight, period_s, tolerated, [&](bool there) {
+        const bool both = waiting;
+        waiting = !both && there;
+        return FramesOfASample{.bad = both ? 2 : 0, .good_after = both || waiting ? 0 : 1};
+      });
+    case FaultKind::kDuplicatedFrames:
+    case FaultKind::kForgedFrames:
+      return badFrames(sight, period_s, tolerated,
+                       [](bool there) { return FramesOfASample{.good_before = 1, .bad = there}; });
+    default:
+      return std::nullopt;
+  }
+}
+
+// Commands are not heard by the loop, but for those that somebody else sends; what becomes of its own shows in the
+// drives' watchdog and report.
+std::optional<double> commandsOf(const Sight& sight, double effect_s, const app::RunConfig& config) {
+  const FaultEvent& event = sight.event();
+  switch (event.kind) {
+    case FaultKind::kForgedFrames:
+      return effect_s + kMargin_s;
+    case FaultKind::kLostFrames:
+      return silenceOf(sight, FrameChannel::kCommand, config, event.duration_s);
+    case FaultKind::kDelayedFrames:
+      return silenceOf(sight, FrameChannel::kCommand, config, event.delay_s);
+    case FaultKind::kFlippedBits: {
+      // A command that passes the CRC restarts the drives' watchdog: six times in a row once in five million.
+      constexpr double kRestarts = 6.0;
+      const bool passes = toleratedFlips(event, 0) > 0;
+      return after(silenceOf(sight, FrameChannel::kCommand, config, event.duration_s),
+                   passes ? kRestarts * config.rig.drive.watchdog_s : 0.0);
+    }
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<double> framesOwed(const Sight& sight, double effect_s, const app::RunConfig& config) {
+  const FaultEvent& event = sight.event();
+  if (event.probability < 1.0) {
+    return std::nullopt;
+  }
+  std::optional<double> owed;
+  for (int i = 0; i < sim::kFrameChannelCount; ++i) {
+    const auto channel = static_cast<FrameChannel>(i);
+    if (!event.concerns(i) || channel == FrameChannel::kTruth) {
+      continue;
+    }
+    owed = earlier(owed, channel == FrameChannel::kCommand ? commandsOf(sight, effect_s, config)
+                                                           : framesOf(sight, channel, config));
+  }
+  return owed;
+}
+
+// A position that is off: too far for one sample, and refused, or taken and inconsistent with the rate.
+std::optional<double> jumpOwed(const Sight& sight, const app::RunConfig& config) {
+  if (std::abs(sight.event().value) < 1.5 * config.tick.monitors.encoder.inconsistency_rad) {
+    return std::nullopt;
+  }
+  return badFrames(sight, kSample_s, config.bus.map.tolerated_bad_frames,
+                   [](bool there) { return FramesOfASample{.bad = there, .good_after = !there}; });
+}
+
+// r_k = e^{−dt/T} r_{k−1} + what the drift adds, until it is a quarter above the limit for what noise may take off.
+std::optional<double> driftOwed(const Sight& sight, const app::RunConfig& config) {
+  const safety::EncoderMonitorSettings& encoder = config.tick.monitors.encoder;
+  double residual_rad = 0.0;
+  double offset_rad = 0.0;
+  double step_s = 0.0;
+  const auto found = sight.walk(kSample_s, [&](double t, bool there, bool heard) {
+    step_s += kSample_s;
+    if (!heard) {
+      return false;
+    }
+    const double next_rad = there ? sight.event().value * (t - sight.event().burstStart(t)) : 0.0;
+    // After a silence position and rate are compared anew.
+    const bool anew = step_s > safety::EncoderMonitor::kMaxStep_s;
+    residual_rad =
+        anew ? 0.0 : std::exp(-step_s / encoder.consistency_time_s) * residual_rad + next_rad - offset_rad;
+    offset_rad = next_rad;
+    step_s = 0.0;
+    return std::abs(residual_rad) > 1.25 * encoder.inconsistency_rad;
+  });
+  // A drift that ends is a jump back, which may be refused at first.
+  return after(found, kMargin_s + (config.bus.map.tolerated_bad_frames + 1) * kSample_s);
+}
+
+// For how long a condition of an EMG signal may hold, in all.
+template <typename Bad>
+std::optional<double> emgOwed(const Sight& sight, double longest_s, Bad&& bad) {
+  safety::LeakyScore score(longest_s + kUncertain_s);
+  const auto found = sight.walk(kSample_s, [&](double t, bool there, bool heard) {
+    return heard && score.update(bad(t, there), kSample_s);
+  });
+  return after(found, kMargin_s);
+}
+
+std::optional<double> disconnectionOwed(const Sight& sight, const safety::EmgMonitorSettings& emg) {
+  if (sight.event().value != 0.0) {
+    return std::nullopt;
+  }
+  constexpr double kStill_s = 0.02;
+  double still_s = 0.0;
+  return emgOwed(sight, emg.flat_time_s - kStill_s, [&](double, bool there) {
+    still_s = there ? still_s + kSample_s : 0.0;
+    return still_s > kStill_s + kUncertain_s;
+  });
+}
+
+std::optional<double> humOwed(const Sight& sight, const app::RunConfig& config) {
+  constexpr double kFilter_s = 0.1;
+  constexpr double kMuscleHides = 1.3;  // of the limit: EMG may take off as much
+  const safety::EmgMonitorSettings& emg = config.tick.monitors.emg;
+  const FaultEvent& event = sight.event();
+  const double mains_rad_s =
+      2.0 * std::numbers::pi * (config.tick.emg.mains_Hz > 0.0 ? config.tick.emg.mains_Hz : 50.0);
+  double real_mV = 0.0;
+  double imaginary_mV = 0.0;
+  return emgOwed(sight, emg.hum_time_s, [&](double t, bool there) {
+    const double signal_mV =
+        there ? event.value * std::sin(2.0 * std::numbers::pi * event.frequency_Hz * t) : 0.0;
+    const double share = kSample_s / kFilter_s;
+    real_mV += share * (signal_mV * std::cos(mains_rad_s * t) - real_mV);
+    imaginary_mV += share * (signal_mV * std::sin(mains_rad_s * t) - imaginary_mV);
+    return 2.0 * std::hypot(real_mV, imaginary_mV) > kMuscleHides * emg.hum_mV;
+  });
+}
+
+// So far off that no span of commands covers it; what is less is judged by Trial, which knows the commands.
+std::optional<double> overTorqueOwed(const Sight& sight, const app::RunConfig& config) {
+  constexpr double kSpan_Nm = 20.0;
+  const FaultEvent& event = sight.event();
+  const safety::DriveMonitorSettings& drive = config.tick.monitors.drive;
+  const double limit_Nm = config.tick.limits.joint[static_cast<std::size_t>(event.channel)].torque_Nm;
+  if (std::abs(event.value) < 3.0 * drive.follow_tolerance * limit_Nm + kSpan_Nm) {
+    return std::nullopt;
+  }
+  safety::LeakyScore score(drive.follow_time_s + kUncertain_s, safety::kDriveRecovery);
+  const auto found = sight.walk(kSample_s, [&](double, bool there, bool heard) {
+    return heard && score.update(there, kSample_s);
+  });
+  return after(found, kMargin_s);
+}
+
 }  // namespace
 
-std::optional<double> reactionBudget_s(const FaultEvent& event, const app::RunConfig& config) {
-  const safety::MonitorSettings& monitors = config.tick.monitors;
-  const auto joint = static_cast<std::size_t>(event.channel > 0 ? event.channel : 0);
+std::optional<double> owedStop_s(const std::vector<FaultEvent>& faults, std::size_t index, double effect_s,
+                                 const app::RunConfig& config) {
+  const Sight sight(faults, index, effect_s);
+  const FaultEvent& event = sight.event();
+  const safety::EmgMonitorSettings& emg = config.tick.monitors.emg;
   switch (event.kind) {
     case FaultKind::kEncoderJump:
-      return std::abs(event.value) >= 1.5 * monitors.encoder.inconsistency_rad
-                 ? std::optional((config.bus.map.tolerated_bad_frames + 1) * kTick_s + kMargin_s)
-                 : std::nullopt;
     case FaultKind::kEncoderWrap:
-      return (config.bus.map.tolerated_bad_frames + 1) * kTick_s + kMargin_s;
-    case FaultKind::kEncoderDrift: {
-      // r = v T (1 − e^{−t/T}) reaches the limit at t; a fifth more for what noise and the step cost.
-      const double reach = std::abs(event.value) * monitors.encoder.consistency_time_s;
-      const double share = monitors.encoder.inconsistency_rad / reach;
-      return share < 0.8 ? std::optional(-1.2 * monitors.encoder.consistency_time_s * std::log(1.0 - share) +
-                                         4.0 * kMargin_s)
-                         : std::nullopt;
-    }
+      return jumpOwed(sight, config);
+    case FaultKind::kEncoderDrift:
+      return driftOwed(sight, config);
     case FaultKind::kEmgSaturation:
-      return std::abs(event.value) > monitors.emg.saturation_mV + 0.01
-                 ? std::optional(monitors.emg.saturation_time_s + kMargin_s)
+      return std::abs(event.value) > emg.saturation_mV + 0.01
+                 ? emgOwed(sight, emg.saturation_time_s, [](double, bool there) { return there; })
                  : std::nullopt;
     case FaultKind::kEmgDisconnection:
-      return event.value == 0.0 ? std::optional(monitors.emg.flat_time_s + kMargin_s) : std::nullopt;
+      return disconnectionOwed(sight, emg);
     case FaultKind::kEmgHum:
-      return event.value >= 2.0 * monitors.emg.hum_mV ? std::optional(monitors.emg.hum_time_s + 0.15)
-                                                      : std::nullopt;
-    case FaultKind::kDriveOverTorque: {
-      const double tolerance_Nm = monitors.drive.follow_tolerance * config.tick.limits.joint[joint].torque_Nm;
-      // It is measured from the band of the last commands, which may be a few N·m wide.
-      return std::abs(event.value) >= 1.5 * tolerance_Nm + 5.0
-                 ? std::optional(monitors.drive.follow_time_s + monitors.drive.response_s + kMargin_s)
-                 : std::nullopt;
-    }
+      return humOwed(sight, config);
+    case FaultKind::kDriveOverTorque:
+      return overTorqueOwed(sight, config);
     case FaultKind::kBusOff:
     case FaultKind::kInterfaceDown:
     case FaultKind::kEmergencyStop:
     case FaultKind::kGpioBounce:
-      return kMargin_s;
+      return effect_s + kMargin_s;
     case FaultKind::kRigStall:
     case FaultKind::kPeerRestart:
-      return event.duration_s > 0.02 ? std::optional(config.bus.map.encoder_timeout_s + kMargin_s)
-                                     : std::nullopt;
-    case FaultKind::kLoopStall:
-      return event.duration_s > config.loop.stall_tolerated_s + kMargin_s
-                 ? std::optional(event.duration_s + kMargin_s)
-                 : std::nullopt;
+      return silenceOf(sight, FrameChannel::kEncoder1, config, event.duration_s);
+    case FaultKind::kLoopStall: {
+      const auto consequence = stallConsequence(event, config);
+      return consequence ? consequence->stop_s : std::nullopt;
+    }
     default:
-      return frameBudget_s(event, config);
+      return framesOwed(sight, effect_s, config);
   }
 }
 

@@ -13,6 +13,7 @@ using sim::FaultKind;
 using sim::FrameChannel;
 
 constexpr double kMild = 0.25;
+constexpr double kComesAndGoes = 0.4;
 
 // What the rig sends and the loop cannot do without, the command, or everything.
 int randomFrameChannel(Dice& dice) {
@@ -82,6 +83,22 @@ void emgFault(FaultEvent& event, bool mild, Dice& dice) {
   }
 }
 
+// Comes and goes, from every other sample to once a second.
+void cycle(FaultEvent& event, Dice& dice) {
+  event.cycle_s = std::pow(10.0, dice.between(-3.0, 0.0));
+  event.duty = dice.between(0.05, 0.95);
+  event.duration_s = dice.between(0.9, 1.2);
+}
+
+// Between two ticks, or at any stage of one; the network's first is left out by a loop without one.
+void stallSomewhere(FaultEvent& event, Dice& dice) {
+  const int drawn = dice.below(static_cast<int>(tick::Stage::kOutside) + 1);
+  const auto stage = static_cast<tick::Stage>(drawn - 1);
+  if (drawn > 0 && stage != tick::Stage::kNetworkStep) {
+    event.stage = stage;
+  }
+}
+
 // Somewhere in what the leg can reach, with room to its limits.
 control::JointMotion randomMotion(double middle_rad, Dice& dice) {
   return control::SinusoidMotion{.offset_rad = middle_rad + dice.between(-0.1, 0.1),
@@ -135,6 +152,12 @@ FaultEvent randomFault(FaultKind kind, Dice& dice) {
         event.duration_s = 0.001;
       }
       break;
+  }
+  if (kind == FaultKind::kLoopStall) {
+    stallSomewhere(event, dice);
+  }
+  if (kind != FaultKind::kGpioBounce && dice.chance(kComesAndGoes)) {
+    cycle(event, dice);
   }
   return event;
 }
