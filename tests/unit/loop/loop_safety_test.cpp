@@ -213,6 +213,28 @@ TEST_CASE("a stall before the enable line rises keeps it down, and torque needs 
   CHECK(statistics.latched.has(Fault::kCommandLate));
 }
 
+TEST_CASE("a stall in the very moment in which the enable line rises takes it down again") {
+  SimulatedRun run;
+  int rises = 0;
+  run.loop_pins.before_rise = [&] {
+    ++rises;
+    run.clock.pass(30 * kPeriod_ns);
+  };
+  run.run(600);
+  CHECK(rises == 1);
+  for (int tick = 0; tick < 599; ++tick) {
+    CHECK_FALSE(run.driveEnable(tick));
+  }
+}
+
+TEST_CASE("the enable line is raised once, and not again and again") {
+  SimulatedRun run;
+  int rises = 0;
+  run.loop_pins.before_rise = [&] { ++rises; };
+  CHECK(run.run(600).final_state == State::kActive);
+  CHECK(rises == 1);
+}
+
 TEST_CASE("a line that the watchdog took down within a tick is not raised by it, nor is its command sent") {
   for (const tick::Stage stage : {tick::Stage::kModel, tick::Stage::kSend, tick::Stage::kLinesOut}) {
     CAPTURE(tick::kStageNames[static_cast<std::size_t>(stage)]);

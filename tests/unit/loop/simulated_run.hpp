@@ -73,6 +73,25 @@ class HandBus final : public can::Bus {
   int ticks_ = 0;
 };
 
+/// Simulated lines, with a function to call whenever the enable line is about to rise.
+class HandPins final : public gpio::Pins {
+ public:
+  explicit HandPins(gpio::SimulatedPins& pins) : pins_(pins) {}
+  bool emergencyStop() noexcept PATELLA_NONBLOCKING override { return pins_.emergencyStop(); }
+  bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING override {
+    if (enabled) {
+      before_rise();
+    }
+    return pins_.setDriveEnable(enabled);
+  }
+  void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override { pins_.setHeartbeat(level); }
+  std::uint64_t errors() const noexcept override { return pins_.errors(); }
+  std::function<void()> before_rise = [] {};
+
+ private:
+  gpio::SimulatedPins& pins_;
+};
+
 /// Calls a function at each stage of each tick.
 class HandProbe final : public tick::StageProbe {
  public:
@@ -113,7 +132,7 @@ class SimulatedRun {
 
   const LoopStatistics& run(std::uint64_t ticks) {
     config_.loop.max_ticks = ticks;
-    loop_ = std::make_unique<Loop>(config_.loop, clock, bus, pins, decoder_, encoder_, *tick_, nullptr);
+    loop_ = std::make_unique<Loop>(config_.loop, clock, bus, loop_pins, decoder_, encoder_, *tick_, nullptr);
     loop_->probedBy(probe);
     if (watchdog != nullptr) {
       loop_->watchedBy(*watchdog);
@@ -154,6 +173,7 @@ class SimulatedRun {
  public:
   HandClock clock;
   gpio::SimulatedPins pins;
+  HandPins loop_pins{pins};
   HandBus bus;
   HandProbe probe;
   Watchdog* watchdog = nullptr;

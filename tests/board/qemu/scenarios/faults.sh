@@ -9,7 +9,7 @@ sed -i 's/^enable_at_s.*/enable_at_s = 1.1/' "$config"
 wanted=" $* "
 script=/run/work/faults.toml
 
-# fault KIND SIDE EXPECTED [PARAMETER...]: SIDE is rig or loop; EXPECTED a pattern of the fault's name, or of the warning's
+# fault KIND[:NOTE] SIDE EXPECTED [PARAMETER...]: SIDE is rig or loop; EXPECTED a pattern of the fault's name, or of the warning's
 # where it begins with a minus, or = where the loop must not notice.
 fault() {
   kind=$1 side=$2 expected=$3
@@ -17,7 +17,7 @@ fault() {
   [ "$wanted" = "  " ] || case $wanted in *" $kind "*) ;; *) return 0 ;; esac
   # Seconds since the rig's start, or since the loop's, which comes later.
   [ "$side" = rig ] && at=1.6 || at=1.0
-  { echo "[[fault]]"; echo "kind = \"$kind\""; echo "time_s = $at"; printf '%s\n' "$@"; } >"$script"
+  { echo "[[fault]]"; echo "kind = \"${kind%%:*}\""; echo "time_s = $at"; printf '%s\n' "$@"; } >"$script"
   rig_faults= loop_faults=
   [ "$side" = rig ] && rig_faults="--faults $script" || loop_faults="--faults $script"
   # shellcheck disable=SC2086
@@ -92,4 +92,19 @@ fault gpio_bounce loop emergency_stop 'duration_s = 0.02'
 fault clock_step loop -clock_stepped 'step_s = 10' 'duration_s = 0.5'
 fault memory_pressure loop = 'size_MB = 48' 'duration_s = 0.5'
 fault disk_full loop -recording_failed 'duration_s = 0.3'
+
+# What comes and goes, what strikes within a tick, and who else commands.
+fault drive_over_torque:now_and_then rig 'drive_(not_following|over_torque)' 'channel = "drive1"' 'extra_Nm = 60' \
+  'cycle_s = 0.02' 'duty = 0.75' "$for_long"
+fault drive_over_torque:seldom rig 'drive_(not_following|over_torque)' 'channel = "drive1"' 'extra_Nm = 260' \
+  'cycle_s = 0.1' 'duty = 0.05' "$for_long"
+fault lost_frames:now_and_then rig frame_sequence 'channel = "encoder1"' 'cycle_s = 0.004' 'duty = 0.5' "$for_long"
+fault flipped_bits:now_and_then rig frame_corrupt 'channel = "drive"' 'cycle_s = 0.01' 'duty = 0.3' "$for_long"
+fault encoder_jump:now_and_then rig 'encoder_im|encoder_in' 'channel = "encoder2"' 'offset_rad = 0.5' 'cycle_s = 0.01' \
+  'duty = 0.3' "$for_long"
+fault emg_saturation:now_and_then rig emg_saturated 'channel = "emg1"' 'cycle_s = 0.01' 'duty = 0.5' "$for_long"
+fault forged_frames:command rig foreign_command 'channel = "command"' 'value = 5.0' 'duration_s = 0.01'
+fault loop_stall:before_send loop 'command_late|watchdog' 'duration_s = 0.3' 'stage = "encode"'
+fault loop_stall:after_send loop 'watchdog|overrun' 'duration_s = 0.3' 'stage = "lines out"'
+fault loop_stall:overload loop overrun 'cycle_s = 0.007' 'duty = 0.6' "$for_long"
 finish
