@@ -310,7 +310,8 @@ void Loop::shutDown() noexcept {
   Command stop;
   stop.torque_Nm = JointVector::Zero(tick_.joints());
   stop.state = static_cast<std::uint8_t>(safety::State::kInit);
-  for (int i = 0; i < options_.shutdown_frames; ++i) {
+  // Not while a signal handler sends its own: the counters of the two would meet.
+  for (int i = 0; i < options_.shutdown_frames && !EmergencyExit::begun(); ++i) {
     can::Frame frame = encoder_.encode(stop);
     clock_.sleepUntil(clock_.now() + period_ns_);
     if (bus_.send(frame, clock_.now()) == can::SendResult::kSent && recorder_ != nullptr) {
