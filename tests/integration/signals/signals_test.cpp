@@ -118,7 +118,7 @@ std::string text_ms(double value_ms) {
     return "–";
   }
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f ms", value_ms);
+  std::snprintf(text.data(), text.size(), "%.2f ms", value_ms);
   return text.data();
 }
 

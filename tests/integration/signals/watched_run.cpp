@@ -10,6 +10,7 @@
 
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,6 +28,7 @@ namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(1);
 constexpr auto kLongestWait = std::chrono::seconds(10);
+constexpr std::uint64_t kLongestRun = 16'000;     ///< ticks; whoever started it may be gone
 constexpr std::uint32_t kEntriesWhenActive = 40;  ///< of torque and a high line in a row
 
 constexpr int kOfTheChild = -2;  ///< in Ledger::status: the child's own is the process's
@@ -71,13 +73,14 @@ class NotingBus final : public can::Bus {
     }
     return bus_.receive(frames, now);
   }
-  // TorqueCommand of patella.dbc: torque in bytes 0 to 4, enable the lowest bit of byte 5, counter in byte 6.
+  // TorqueCommand of patella.dbc: torque in bytes 0 to 4, enable and state in byte 5, counter in byte 6.
   can::SendResult send(can::Frame& frame, std::int64_t now) noexcept PATELLA_NONBLOCKING override {
     bool zero = (frame.data[5] & 1U) == 0;
     for (std::size_t i = 0; i < 5; ++i) {
       zero = zero && frame.data[i] == 0;
     }
     ledger_.note(zero ? Deed::kZero : Deed::kTorque, frame.data[6]);
+    ledger_.state.store(static_cast<safety::State>((frame.data[5] >> 1U) & 7U), std::memory_order_relaxed);
     return bus_.send(frame, now);
   }
   bool down() const noexcept override { return bus_.down(); }
@@ -133,6 +136,8 @@ void inherit(const RunOptions& options) {
   if (options.ignore_quit) {
     std::signal(SIGQUIT, SIG_IGN);
   }
+  const rlimit no_core_dumps{};
+  setrlimit(RLIMIT_CORE, &no_core_dumps);
   sigset_t mask;
   sigemptyset(&mask);
   if (options.block_everything) {
@@ -149,7 +154,7 @@ int runLoop(Ledger& ledger) {
   app::RunConfig config = app::loadRunConfig(line);
   constexpr double kPatience_s = 0.5;
   config.duration_s = 0.0;
-  config.loop.max_ticks = 0;
+  config.loop.max_ticks = kLongestRun;
   config.loop.overruns_tolerated = 100;
   config.loop.stall_tolerated_s = app::LoopOptions::kCeilingStall_s;
   config.watchdog.timeout_s = app::WatchdogOptions::kCeilingTimeout_s;
@@ -157,7 +162,8 @@ int runLoop(Ledger& ledger) {
   config.bus.map.drive_timeout_s = kPatience_s;
   config.bus.map.emg_timeout_s = kPatience_s;
   config.rig.drive.watchdog_s = kPatience_s;
-  config.rig.operator_buttons.enable_at_s = 0.1;
+  config.rig.operator_buttons.enable_at_s = 0.3;  // the loop has seen it released by then
+  config.realtime.prefault_heap_bytes = 1 << 20;  // many at once are to start quickly
 
   const MonotonicClock clock;
   MonotonicClock loop_clock;
@@ -261,7 +267,11 @@ bool WatchedRun::lately(std::uint32_t count) const {
 }
 
 bool WatchedRun::becomesActive() {
-  return comes([this] { return lately(kEntriesWhenActive) || !alive(); }) && alive();
+  const auto stopped = [this] {
+    const safety::State state = ledger_->state.load(std::memory_order_relaxed);
+    return state == safety::State::kFault || state == safety::State::kLimited;
+  };
+  return comes([&] { return lately(kEntriesWhenActive) || stopped() || !alive(); }) && !stopped() && alive();
 }
 
 void WatchedRun::send(int signal) {

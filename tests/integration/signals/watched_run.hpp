@@ -9,6 +9,8 @@
 
 #include <sys/types.h>
 
+#include "core/safety/state_machine.hpp"
+
 namespace patella::test {
 
 enum class Deed : std::uint8_t {
@@ -33,7 +35,8 @@ struct Ledger {
   std::atomic<std::uint32_t> count{0};
   std::atomic<pid_t> process{0};
   std::atomic<pid_t> loop_thread{0};
-  std::atomic<int> status{-1};  ///< as of waitpid(2)
+  std::atomic<safety::State> state{safety::State::kInit};  ///< as the latest command says
+  std::atomic<int> status{-1};                             ///< as of waitpid(2)
   std::atomic<Place> overflow{Place::kNone};
 
   void note(Deed deed, std::uint8_t counter = 0) noexcept;
