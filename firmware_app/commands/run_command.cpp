@@ -136,8 +136,7 @@ std::unique_ptr<RealtimeSetup> runShowingProgress(Loop& loop, const RunConfig& c
     options.require_rt = false;
   }
   Progress progress(config, recorder);
-  std::unique_ptr<RealtimeSetup> setup =
-      runOnThread(loop, options, stop, [&progress] { progress.update(); });
+  std::unique_ptr<RealtimeSetup> setup = runOnThread(loop, options, stop, [&progress] { progress.update(); });
   progress.clear();
   return setup;
 }
@@ -164,8 +163,8 @@ void warnOfOwnEffect(const RunConfig& config) {
   }
 }
 
-// Writes the summary, then shows it, for there may be nobody to read it. False where something of the recording
-// is missing.
+// Writes the summary, then shows it, for there may be nobody to read it. False where something of the
+// recording is missing.
 bool conclude(const nlohmann::ordered_json& summary, const std::filesystem::path& folder,
               const Recorder& recorder) {
   std::string failure = recorder.error();

@@ -15,8 +15,8 @@ void require(bool done, const SignalRow& row) {
   }
 }
 
-// The kernel's own struct sigaction, which the C library does not show. All but the handler stay zero, so that
-// the order of what follows it, which differs between machines, is the same for all.
+// The kernel's own struct sigaction, which the C library does not show. All but the handler stay zero, so
+// that the order of what follows it, which differs between machines, is the same for all.
 struct KernelAction {
   void (*handler)(int) = nullptr;
   std::array<unsigned long, 4> rest{};

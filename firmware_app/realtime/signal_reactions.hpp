@@ -56,7 +56,8 @@ inline constexpr std::array kSignals = {
     SignalRow{"SIGCONT", SIGCONT, SIGCONT, Reaction::kHarmless,
               "the ticks missed since SIGSTOP are a latched stop"},
     SignalRow{"SIGSTOP", SIGSTOP, SIGSTOP, Reaction::kUncatchable, "the kernel stops the process"},
-    SignalRow{"SIGTSTP", SIGTSTP, SIGTSTP, Reaction::kEnd, "Ctrl-Z: a process that stands still cannot watch"},
+    SignalRow{"SIGTSTP", SIGTSTP, SIGTSTP, Reaction::kEnd,
+              "Ctrl-Z: a process that stands still cannot watch"},
     SignalRow{"SIGTTIN", SIGTTIN, SIGTTIN, Reaction::kIgnored,
               "a run in the background must not be stopped by its terminal"},
     SignalRow{"SIGTTOU", SIGTTOU, SIGTTOU, Reaction::kIgnored,
@@ -70,11 +71,13 @@ inline constexpr std::array kSignals = {
     SignalRow{"SIGPROF", SIGPROF, SIGPROF, Reaction::kLetGo, "a timer set by whoever started the program"},
     SignalRow{"SIGWINCH", SIGWINCH, SIGWINCH, Reaction::kHarmless, "the terminal has another size"},
     SignalRow{"SIGIO", SIGIO, SIGIO, Reaction::kLetGo, "no descriptor asks for it; it would end the process"},
-    SignalRow{"SIGPWR", SIGPWR, SIGPWR, Reaction::kEnd, "the power is about to fail: the recording is closed"},
+    SignalRow{"SIGPWR", SIGPWR, SIGPWR, Reaction::kEnd,
+              "the power is about to fail: the recording is closed"},
     SignalRow{"SIGSYS", SIGSYS, SIGSYS, Reaction::kLetGo, "a system call that is forbidden"},
-    SignalRow{"hidden", kFirstHidden, kLastHidden, Reaction::kIgnored,
-              "the C library's, for pthread_cancel() and setuid(), which are not used; it refuses handlers"},
-    SignalRow{"real-time", kLastHidden + 1, kSignalCount, Reaction::kLetGo,
+    SignalRow{
+        "SIGCANCEL, SIGSETXID", kFirstHidden, kLastHidden, Reaction::kIgnored,
+        "the C library's, which refuses handlers; for pthread_cancel() and setuid(), which are not used"},
+    SignalRow{"SIGRTMIN to SIGRTMAX", kLastHidden + 1, kSignalCount, Reaction::kLetGo,
               "mean nothing here and would end the process"},
 };
 

@@ -18,8 +18,9 @@ namespace patella::test {
 
 /// What it prints goes to the file `said`. `prepare` is called in the new process, right before the program
 /// takes its place.
-inline pid_t start(std::vector<std::string> arguments, const std::filesystem::path& said,
-                   const std::function<void()>& prepare = [] {}) {
+inline pid_t start(
+    std::vector<std::string> arguments, const std::filesystem::path& said,
+    const std::function<void()>& prepare = [] {}) {
   const std::string config = std::string(PATELLA_SOURCE_DIR) + "/firmware_app/config/adult.toml";
   arguments.insert(arguments.begin(), {PATELLA_EXECUTABLE, "run", "--config", config});
   std::vector<char*> words;

@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 #include <pty.h>
 #include <sys/resource.h>
+#include <termios.h>
 #include <utmp.h>
 
 #include "tests/integration/runs/loop_process.hpp"
@@ -122,6 +123,27 @@ struct Program {
   }
 };
 
+/// What a shell does: the program gets a process group of its own, in the terminal's foreground or not, and
+/// the shell, from here on the process itself, waits for it. Without a shell nobody could be asked to take a
+/// stopped process on again, and the kernel would not stop it.
+void throughShell(const Terminal& terminal, bool in_foreground) {
+  login_tty(terminal.slave);
+  const pid_t program = fork();
+  if (program == 0) {
+    setpgid(0, 0);
+    while (in_foreground && tcgetpgrp(STDIN_FILENO) != getpid()) {
+      std::this_thread::sleep_for(kLook);
+    }
+    return;
+  }
+  setpgid(program, program);
+  if (in_foreground) {
+    tcsetpgrp(STDIN_FILENO, program);
+  }
+  const int status = wait(program);
+  _exit(status >= 0 ? status : 100 - status);
+}
+
 /// Tries until the host let a run be; what is tried says whether it did.
 void untilUndisturbed(const std::function<bool()>& attempt) {
   for (int i = 0; i < kAttempts; ++i) {
@@ -139,7 +161,7 @@ TEST_CASE("Ctrl-Z on a terminal ends the run as Ctrl-C does, with all that it re
     CAPTURE(static_cast<int>(key));
     untilUndisturbed([key] {
       const Terminal terminal;
-      const Program program({"--duration", "10"}, [&terminal] { login_tty(terminal.slave); });
+      const Program program({"--duration", "60"}, [&terminal] { throughShell(terminal, true); });
       const bool active = program.waitForTorque();
       CHECK(write(terminal.master, &key, 1) == 1);
       const int status = program.end();
@@ -153,11 +175,33 @@ TEST_CASE("Ctrl-Z on a terminal ends the run as Ctrl-C does, with all that it re
   }
 }
 
+TEST_CASE("a run in the background is not stopped by a terminal that stops whoever writes to it") {
+  untilUndisturbed([] {
+    const Terminal terminal;
+    termios settings{};
+    tcgetattr(terminal.slave, &settings);
+    settings.c_lflag |= TOSTOP;
+    tcsetattr(terminal.slave, TCSANOW, &settings);
+    const Program program({"--duration", "1.5"}, [&terminal] { throughShell(terminal, false); });
+    const bool active = program.waitForTorque();
+    const int status = program.end();
+    if (!active || status == kStopped) {
+      return false;
+    }
+    CHECK(status == 0);
+    program.checkComplete();
+    std::array<char, 4096> shown{};
+    CHECK(read(terminal.master, shown.data(), shown.size()) > 0);
+    CHECK(holds(shown.data(), "t = "));
+    return true;
+  });
+}
+
 TEST_CASE(
     "under nohup a run outlives its terminal, with torque, and what it cannot show is no reason to end") {
   untilUndisturbed([] {
     Terminal terminal;
-    const Program program({"--duration", "10"}, [&terminal] {
+    const Program program({"--duration", "60"}, [&terminal] {
       std::signal(SIGHUP, SIG_IGN);
       login_tty(terminal.slave);
     });
@@ -180,7 +224,7 @@ TEST_CASE(
 TEST_CASE("without nohup a run dies with its terminal") {
   untilUndisturbed([] {
     Terminal terminal;
-    const Program program({"--duration", "10"}, [&terminal] { login_tty(terminal.slave); });
+    const Program program({"--duration", "60"}, [&terminal] { login_tty(terminal.slave); });
     const bool active = program.waitForTorque();
     terminal.hangUp();
     const int status = program.end();
@@ -265,9 +309,9 @@ TEST_CASE("a file that may not grow is a failed recording, with the status for i
 }
 
 TEST_CASE("asked to end at whatever instant of its set-up, a run ends well") {
-  for (int delay_ms = 5; delay_ms <= 60; delay_ms += 5) {
+  for (int delay_ms = 5; delay_ms <= 65; delay_ms += 12) {
     CAPTURE(delay_ms);
-    const Program program({"--duration", "10"}, [] {});
+    const Program program({"--duration", "60"}, [] {});
     std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
     kill(program.process, SIGTERM);
     const int status = program.end();

@@ -267,7 +267,7 @@ TEST_CASE("a signal that the loop thread takes itself lets torque go as well") {
   }
 }
 
-TEST_CASE("signals in two threads at once let go once, and the first one ends the process") {
+TEST_CASE("signals in several threads at once let go once, and the process ends") {
   const auto run = activeRun();
   run->sendToLoopThread(SIGSEGV);
   run->send(SIGQUIT);
