@@ -4,7 +4,6 @@
 #include <system_error>
 #include <utility>
 
-#include <linux/auxvec.h>
 #include <sys/auxv.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -22,11 +21,11 @@ SignalStack::SignalStack() : guard_bytes_(static_cast<std::size_t>(sysconf(_SC_P
   usable_bytes_ = (kForHandlers + for_registers + guard_bytes_ - 1) / guard_bytes_ * guard_bytes_;
   void* const block = mmap(nullptr, guard_bytes_ + usable_bytes_, PROT_READ | PROT_WRITE,
                            MAP_PRIVATE | MAP_ANONYMOUS | MAP_STACK | MAP_POPULATE, -1, 0);
-  if (block == MAP_FAILED || mprotect(block, guard_bytes_, PROT_NONE) != 0) {
+  if (block == MAP_FAILED) {
     throw std::system_error(errno, std::generic_category(), "a signal stack");
   }
   block_ = block;
-  mlock(static_cast<char*>(block_) + guard_bytes_, usable_bytes_);
+  mprotect(block, guard_bytes_, PROT_NONE);
 }
 
 SignalStack::~SignalStack() {

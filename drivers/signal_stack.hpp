@@ -9,8 +9,8 @@
 
 namespace patella {
 
-/// Memory for one thread's handlers: present from the start, locked where that is permitted, and with a page
-/// below it that nobody may touch.
+/// Memory for one thread's handlers: present from the start, locked where mlockall(2) locks all, and with a
+/// page below it that nobody may touch.
 class SignalStack {
  public:
   /// Throws std::system_error when the memory cannot be had.

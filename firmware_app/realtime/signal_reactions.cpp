@@ -76,7 +76,7 @@ void reactToSignals(void (*end)(int)) {
   // Blocked by whoever started the program, a fault of the program would end it without its handler.
   sigset_t none;
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
 }
 
 }  // namespace patella::app

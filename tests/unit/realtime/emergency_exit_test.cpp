@@ -67,7 +67,17 @@ can::CommandEncoder commandEncoder(const can::Database& database) {
 struct Death {
   std::string marks;
   int signal = 0;
+  int exit_status = 0;
 };
+
+constexpr int kNoSuchSignal = 77;
+
+/// User emulation keeps the last two signals for itself; no kernel refuses one.
+void raiseOrExit(int signal) {
+  if (raise(signal) != 0) {
+    _exit(kNoSuchSignal);
+  }
+}
 
 /// What a process leaves behind that lives like this; `live` gets what its emergency exit would be made of.
 Death dieOf(const std::function<void(Reporting&, can::CommandEncoder&, const Clock&)>& live) {
@@ -98,6 +108,7 @@ Death dieOf(const std::function<void(Reporting&, can::CommandEncoder&, const Clo
   int status = 0;
   waitpid(child, &status, 0);
   death.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  death.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
   return death;
 }
 
@@ -114,11 +125,15 @@ TEST_CASE("whatever signal ends the process, the line goes down and zero torque 
       const Death death = dieOf([&](Reporting& means, can::CommandEncoder& encoder, const Clock& clock) {
         const EmergencyExit exit(means, means, encoder, clock, 2);
         if (in_other_thread) {
-          std::thread([signal] { raise(signal); }).join();
+          std::thread([signal] { raiseOrExit(signal); }).join();
         } else {
-          raise(signal);
+          raiseOrExit(signal);
         }
       });
+      if (death.exit_status == kNoSuchSignal) {
+        MESSAGE("SKIPPED: there is no signal ", signal, " here");
+        continue;
+      }
       CHECK(death.marks == "e000e000");
       CHECK(death.signal == signal);
     }
