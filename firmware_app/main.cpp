@@ -1,7 +1,6 @@
 // patella: the loop executable.
 #include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <exception>
@@ -15,6 +14,8 @@
 
 #include "firmware_app/commands/check_command.hpp"
 #include "firmware_app/commands/run_command.hpp"
+#include "firmware_app/files/standard_streams.hpp"
+#include "firmware_app/realtime/signal_reactions.hpp"
 
 namespace {
 
@@ -82,22 +83,18 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     return app.exit(error) == 0 ? 0 : kError;
   }
 
-  struct sigaction action {};
-  action.sa_handler = requestStop;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  // A file that may not grow is a failed recording, and no reason to let go of the leg.
-  action.sa_handler = SIG_IGN;
-  sigaction(SIGXFSZ, &action, nullptr);
-
   try {
+    if (run.parsed()) {
+      patella::app::openStandardStreams();
+      patella::app::reactToSignals(requestStop);
+    }
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
     if (check.parsed()) {
       return patella::app::checkRun(config, line.require_rt) ? 0 : kError;
     }
     return static_cast<int>(patella::app::runLoop(config, folder.empty() ? defaultFolder() : folder, g_stop));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "patella: {}\n", error.what());
+    patella::app::show(stderr, fmt::format("patella: {}\n", error.what()));
     return kError;
   }
 }

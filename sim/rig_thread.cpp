@@ -4,6 +4,8 @@
 
 #include <pthread.h>
 
+#include "drivers/signal_stack.hpp"
+
 namespace patella::sim {
 namespace {
 
@@ -26,7 +28,7 @@ void RigThread::start() {
   }
   running_.store(true, std::memory_order_relaxed);
   try {
-    thread_ = std::thread([this] { run(); });
+    thread_ = startThread([this] { run(); });
   } catch (...) {
     running_.store(false, std::memory_order_relaxed);
     throw;

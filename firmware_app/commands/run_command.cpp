@@ -1,11 +1,13 @@
 #include "firmware_app/commands/run_command.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
-#include <exception>
+#include <cstdio>
 #include <memory>
 #include <optional>
-#include <thread>
+#include <string>
+#include <system_error>
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
@@ -15,8 +17,11 @@
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/can/replay_bus.hpp"
 #include "drivers/can/socketcan_bus.hpp"
+#include "drivers/signal_stack.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/standard_streams.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/loop/loop_thread.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/host_stress.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
@@ -91,46 +96,48 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
   return backend;
 }
 
-// Runs the loop on a thread of its own, which alone becomes a real-time one, and shows progress meanwhile.
-std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RunConfig& config, const Recorder& recorder,
-                                           const std::atomic<bool>& stop) {
-  std::unique_ptr<RealtimeSetup> setup;
-  std::exception_ptr failure;
-  std::atomic<bool> finished{false};
-  std::thread thread([&] {
-    try {
-      RealtimeOptions options = config.realtime;
-      if (config.clock == ClockKind::kVirtual) {
-        // Nothing waits for it, and at a real-time priority it would keep the recorder from running.
-        options.priority = 0;
-        options.require_rt = false;
-      }
-      setup = std::make_unique<RealtimeSetup>(options);
-      loop.run(stop);
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    finished.store(true, std::memory_order_release);
-  });
+// How far the run is, on a terminal, every half second.
+class Progress {
+ public:
+  Progress(const RunConfig& config, const Recorder& recorder) noexcept
+      : config_(config), recorder_(recorder), on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
-  const bool on_terminal = isatty(STDERR_FILENO) == 1;
-  auto shown = std::chrono::steady_clock::now();
-  while (!finished.load(std::memory_order_acquire)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (on_terminal && std::chrono::steady_clock::now() - shown > kProgressPeriod) {
-      shown = std::chrono::steady_clock::now();
-      const double time_s = static_cast<double>(recorder.writtenTicks()) / config.loop.rate_Hz;
-      fmt::print(stderr, "\r  t = {:8.1f} s{}", time_s,
-                 config.duration_s > 0.0 ? fmt::format(" of {:.1f} s ", config.duration_s) : " ");
+  // A terminal that is gone takes the display away, and nothing else.
+  void update() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!on_terminal_ || now - shown_ <= kProgressPeriod) {
+      return;
+    }
+    shown_ = now;
+    const double time_s = static_cast<double>(recorder_.writtenTicks()) / config_.loop.rate_Hz;
+    const std::string whole =
+        config_.duration_s > 0.0 ? fmt::format(" of {:.1f} s ", config_.duration_s) : " ";
+    on_terminal_ = show(stderr, fmt::format("\r  t = {:8.1f} s{}", time_s, whole));
+  }
+  void clear() {
+    if (on_terminal_) {
+      show(stderr, fmt::format("\r{:40}\r", ""));
     }
   }
-  thread.join();
-  if (on_terminal) {
-    fmt::print(stderr, "\r{:40}\r", "");
+
+ private:
+  const RunConfig& config_;
+  const Recorder& recorder_;
+  bool on_terminal_;
+  std::chrono::steady_clock::time_point shown_ = std::chrono::steady_clock::now();
+};
+
+std::unique_ptr<RealtimeSetup> runShowingProgress(Loop& loop, const RunConfig& config,
+                                                  const Recorder& recorder, const std::atomic<bool>& stop) {
+  RealtimeOptions options = config.realtime;
+  if (config.clock == ClockKind::kVirtual) {
+    // Nothing waits for it, and at a real-time priority it would keep the recorder from running.
+    options.priority = 0;
+    options.require_rt = false;
   }
-  if (failure) {
-    std::rethrow_exception(failure);
-  }
+  Progress progress(config, recorder);
+  std::unique_ptr<RealtimeSetup> setup = runOnThread(loop, options, stop, [&progress] { progress.update(); });
+  progress.clear();
   return setup;
 }
 
@@ -154,6 +161,27 @@ void warnOfOwnEffect(const RunConfig& config) {
         "with --linear-lags none",
         config.weights_path.string());
   }
+}
+
+// Writes the summary, then shows it, for there may be nobody to read it. False where something of the
+// recording is missing.
+bool conclude(const nlohmann::ordered_json& summary, const std::filesystem::path& folder,
+              const Recorder& recorder) {
+  std::string failure = recorder.error();
+  try {
+    writeFile(folder / "summary.json", summary.dump(2) + "\n");
+  } catch (const std::runtime_error& error) {
+    failure = failure.empty() ? error.what() : failure + "; " + error.what();
+  }
+  const std::string text = summaryText(summary) + fmt::format("  files in {}\n", folder.string());
+  if (!show(stdout, text)) {
+    const std::string why = std::generic_category().message(errno);
+    show(stderr, fmt::format("patella: standard output: {}; the summary is in {}\n", why, folder.string()));
+  }
+  if (!failure.empty()) {
+    spdlog::error("recording failed: {}", failure);
+  }
+  return failure.empty();
 }
 
 }  // namespace
@@ -188,6 +216,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   }
 
   // In virtual time nothing is late, and nothing outside waits for torque to end.
+  const SignalStack signal_stack;
+  const SignalStack::InUse in_use(signal_stack);
   std::optional<Watchdog> watchdog;
   std::optional<EmergencyExit> emergency_exit;
   if (config.clock == ClockKind::kMonotonic) {
@@ -204,7 +234,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   std::unique_ptr<RealtimeSetup> setup;
   try {
     const HostStress stress(config.faults, [&loop_clock] { return loop_clock.wokeAt_s(); });
-    setup = runOnThread(loop, config, recorder, stop);
+    setup = runShowingProgress(loop, config, recorder, stop);
   } catch (...) {
     recorder.discard();
     throw;
@@ -226,19 +256,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
       summary["replay"]["cut_in_line"] = backend.replay->cutLine();
     }
   }
-  fmt::print("{}", summaryText(summary));
-  fmt::print("  files in {}\n", folder.string());
-  const bool recorded = recorder.error().empty();
-  if (!recorded) {
-    spdlog::error("recording failed: {}", recorder.error());
-  }
-  try {
-    writeFile(folder / "summary.json", summary.dump(2) + "\n");
-  } catch (const std::runtime_error& error) {
-    spdlog::error("recording failed: {}", error.what());
-    return RunStatus::kRecordingFailed;
-  }
-  if (!recorded) {
+  if (!conclude(summary, folder, recorder)) {
     return RunStatus::kRecordingFailed;
   }
   // A replay repeats what happened; that it happened is in the summary.

@@ -237,10 +237,13 @@ bool Loop::fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
 const Command& Loop::sendCommand(const Command& command,
                                  std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
   enter(probe_, Stage::kEncode);
+  if (EmergencyExit::begun()) {
+    return stop_;  // the handler of the signal that ends the process has the encoder, the bus and the line
+  }
   can::Frame frame = encoder_.encode(command);
   enter(probe_, Stage::kSend);
   if (EmergencyExit::begun()) {
-    return stop_;  // the handler of the signal that ends the process has the bus and the line
+    return stop_;
   }
   const bool allowed = !command.enable || fresh(measured_ns);
   if (!allowed) {
@@ -355,7 +358,8 @@ void Loop::shutDown() noexcept {
   Command stop;
   stop.torque_Nm = JointVector::Zero(tick_.joints());
   stop.state = static_cast<std::uint8_t>(safety::State::kInit);
-  for (int i = 0; i < options_.shutdown_frames; ++i) {
+  // Not while a signal handler sends its own: the counters of the two would meet.
+  for (int i = 0; i < options_.shutdown_frames && !EmergencyExit::begun(); ++i) {
     can::Frame frame = encoder_.encode(stop);
     clock_.sleepUntil(clock_.now() + period_ns_);
     if (bus_.send(frame, clock_.now()) == can::SendResult::kSent && recorder_ != nullptr) {

@@ -1,23 +1,23 @@
 #include "firmware_app/realtime/emergency_exit.hpp"
 
-#include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 
 #include <poll.h>
+#include <unistd.h>
 
 #include "core/safety/state_machine.hpp"
 
 namespace patella::app {
 namespace {
 
-constexpr std::array kSignals = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGQUIT, SIGHUP, SIGXCPU};
 constexpr int kRounds = 2;
 constexpr int kFramesPerRound = 3;
 constexpr int kBetweenRounds_ms = 3;  ///< a tick that was under way has ended
+constexpr int kForTheFirst_ms = 50;   ///< for another thread that lets go; it takes a tenth of that
 
 struct Means {
   gpio::Pins* pins = nullptr;
@@ -27,9 +27,36 @@ struct Means {
   Command stop;
 };
 
-Means g_means;                                           // NOLINT: a signal handler has no other
-std::array<struct sigaction, kSignals.size()> g_before;  // NOLINT: likewise
-alignas(16) std::array<std::byte, 64 * 1024> g_stack;    // NOLINT: for a thread that ran out of its own
+Means g_means;                      // NOLINT: a signal handler has no other
+std::atomic<bool> g_armed{false};   // NOLINT: likewise; the means may be used
+std::atomic<int> g_in_handlers{0};  // NOLINT: likewise; threads that may be using them
+
+void letGo() noexcept {
+  for (int round = 0; round < kRounds; ++round) {
+    g_means.pins->setDriveEnable(false);
+    for (int i = 0; i < kFramesPerRound; ++i) {
+      can::Frame frame = g_means.encoder->encode(g_means.stop);
+      g_means.bus->send(frame, g_means.clock->now());
+    }
+    if (round + 1 < kRounds) {
+      poll(nullptr, 0, kBetweenRounds_ms);
+    }
+  }
+}
+
+// By the default action, not by what was set before: ignored there, the process would live on without a loop.
+[[noreturn]] void die(int signal) noexcept {
+  struct sigaction action {};
+  action.sa_handler = SIG_DFL;
+  sigaction(signal, &action, nullptr);
+  sigset_t only;
+  sigemptyset(&only);
+  sigaddset(&only, signal);
+  pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
+  raise(signal);
+  // Only the first process of a container comes here: no default action ends it (pid_namespaces(7)).
+  _exit(128 + signal);
+}
 
 }  // namespace
 
@@ -42,49 +69,59 @@ EmergencyExit::EmergencyExit(gpio::Pins& pins, can::Bus& bus, can::CommandEncode
   g_means = {&pins, &bus, &encoder, &clock, {}};
   g_means.stop.torque_Nm = JointVector::Zero(joints);
   g_means.stop.state = static_cast<std::uint8_t>(safety::State::kFault);
-  stack_t stack{};
-  stack.ss_sp = g_stack.data();
-  stack.ss_size = g_stack.size();
-  sigaltstack(&stack, nullptr);
+  g_armed.store(true);
   struct sigaction action {};
   action.sa_handler = &EmergencyExit::onSignal;
   action.sa_flags = SA_ONSTACK;
   sigfillset(&action.sa_mask);
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    if (sigaction(kSignals[i], &action, &g_before[i]) != 0) {
-      throw std::system_error(errno, std::generic_category(), "sigaction");
+  for (int signal = 1; signal <= kSignalCount; ++signal) {
+    const SignalRow& row = rowOf(signal);
+    if (row.reaction != Reaction::kLetGo) {
+      continue;
+    }
+    const auto index = static_cast<std::size_t>(signal);
+    bool done = sigaction(signal, nullptr, &before_[index]) == 0;
+    if (done && !(row.stays_ignored && before_[index].sa_handler == SIG_IGN)) {
+      done = sigaction(signal, &action, nullptr) == 0;
+      set_[index] = done;
+    }
+    if (!done) {
+      const int error = errno;
+      putBack();
+      throw std::system_error(error, std::generic_category(), "sigaction for " + std::string(row.name));
     }
   }
 }
 
 EmergencyExit::~EmergencyExit() {
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    sigaction(kSignals[i], &g_before[i], nullptr);
+  putBack();
+}
+
+void EmergencyExit::putBack() noexcept {
+  g_armed.store(false);
+  while (g_in_handlers.load() != 0) {
+    poll(nullptr, 0, kForTheFirst_ms);
   }
-  stack_t none{};
-  none.ss_flags = SS_DISABLE;
-  sigaltstack(&none, nullptr);
+  for (int signal = 1; signal <= kSignalCount; ++signal) {
+    if (set_[static_cast<std::size_t>(signal)]) {
+      sigaction(signal, &before_[static_cast<std::size_t>(signal)], nullptr);
+    }
+  }
   g_means = {};
 }
 
 void EmergencyExit::onSignal(int signal) noexcept {
-  begun_.store(true, std::memory_order_relaxed);
-  for (int round = 0; round < kRounds; ++round) {
-    g_means.pins->setDriveEnable(false);
-    for (int i = 0; i < kFramesPerRound; ++i) {
-      can::Frame frame = g_means.encoder->encode(g_means.stop);
-      g_means.bus->send(frame, g_means.clock->now());
-    }
-    if (round + 1 < kRounds) {
-      poll(nullptr, 0, kBetweenRounds_ms);
-    }
-  }
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    if (kSignals[i] == signal) {
-      sigaction(signal, &g_before[i], nullptr);
+  // Counted before it is asked whether the means are there; the destructor does it the other way round, so
+  // that one of the two sees the other.
+  g_in_handlers.fetch_add(1);
+  if (g_armed.load()) {
+    if (!begun_.exchange(true)) {
+      letGo();
+    } else {
+      poll(nullptr, 0, kForTheFirst_ms);  // a second thread's frames would disturb the first one's
     }
   }
-  raise(signal);  // blocked in the handler: acts when it returns
+  die(signal);
 }
 
 }  // namespace patella::app

@@ -2,26 +2,31 @@
 // watchdog and the hardware behind the heartbeat lines are what is left.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <csignal>
 
 #include "drivers/can/bus.hpp"
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/clock/clock.hpp"
 #include "drivers/gpio/pins.hpp"
+#include "firmware_app/realtime/signal_reactions.hpp"
 
 namespace patella::app {
 
-/// While an object lives, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGQUIT, SIGHUP and SIGXCPU,
-/// in whatever thread, take the enable line down and send commands of zero torque, twice and some
-/// milliseconds apart, and then do what they always did. On the way only async-signal-safe system calls are
-/// made (signal-safety(7)): the pins' and the bus's functions for the loop are nothing else.
+/// While an object lives, each signal of kLetGo (signal_reactions.hpp), in whatever thread, takes the enable
+/// line down and sends commands of zero torque, twice and some milliseconds apart, and then ends the process
+/// by the signal's default action, whatever was to happen before. On the way only async-signal-safe system
+/// calls are made (signal-safety(7)): the pins' and the bus's functions for the loop are nothing else. A
+/// thread whose stack may overflow needs a SignalStack.
 class EmergencyExit {
  public:
   /// All must outlive this; one object at a time. Throws std::logic_error when there is one already,
   /// std::system_error when a handler cannot be set.
   EmergencyExit(gpio::Pins& pins, can::Bus& bus, can::CommandEncoder& encoder, const Clock& clock,
                 int joints);
-  /// Puts back the handlers that were there.
+  /// Puts back the handlers that were there. Does not return while a handler runs: the process is ending, and
+  /// the handler still needs what it was given.
   ~EmergencyExit();
   EmergencyExit(const EmergencyExit&) = delete;
   EmergencyExit& operator=(const EmergencyExit&) = delete;
@@ -32,6 +37,10 @@ class EmergencyExit {
  private:
   static inline std::atomic<bool> begun_{false};
   static void onSignal(int signal) noexcept;
+  void putBack() noexcept;
+
+  std::array<struct sigaction, kSignalCount + 1> before_{};
+  std::array<bool, kSignalCount + 1> set_{};
 };
 
 }  // namespace patella::app

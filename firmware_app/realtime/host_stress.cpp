@@ -10,6 +10,8 @@
 
 #include <sys/mman.h>
 
+#include "drivers/signal_stack.hpp"
+
 namespace patella::app {
 namespace {
 
@@ -39,7 +41,7 @@ HostStress::HostStress(const std::vector<sim::FaultEvent>& events, std::function
                [](const sim::FaultEvent& event) { return sim::actsOnMachine(event.kind); });
   if (!events_.empty()) {
     getrlimit(RLIMIT_FSIZE, &before_);
-    thread_ = std::thread([this] { work(); });
+    thread_ = startThread([this] { work(); });
   }
 }
 

@@ -5,6 +5,7 @@
 #include <pthread.h>
 
 #include "core/check.hpp"
+#include "drivers/signal_stack.hpp"
 
 namespace patella::app {
 namespace {
@@ -26,7 +27,7 @@ Watchdog::Watchdog(const WatchdogOptions& options, gpio::Pins& pins) : options_(
   requireRange("watchdog.timeout_s", options.timeout_s, kShortestTimeout_s,
                WatchdogOptions::kCeilingTimeout_s);
   requireRange("watchdog.loop_period_s", options.loop_period_s, 0.0, kLongestPeriod_s);
-  thread_ = std::thread([this] { run(); });
+  thread_ = startThread([this] { run(); });
 }
 
 void Watchdog::stop() noexcept {

@@ -19,6 +19,7 @@
 #include "core/safety/state_machine.hpp"
 #include "core/safety/warning.hpp"
 #include "drivers/can/candump_log.hpp"
+#include "drivers/signal_stack.hpp"
 
 namespace patella::app {
 namespace {
@@ -233,7 +234,7 @@ Recorder::Recorder(const RecorderOptions& options) : options_(options) {
       throw std::runtime_error(options.folder.string() + ": cannot be created: " + error.message());
     }
     auto files = std::make_shared<Files>(options, created_);
-    thread_ = std::thread([this, files] { write(*files); });
+    thread_ = startThread([this, files] { write(*files); });
   } catch (...) {
     discard();
     throw;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -15,8 +16,11 @@
 
 namespace patella::test {
 
-/// What it prints goes to the file `said`.
-inline pid_t start(std::vector<std::string> arguments, const std::filesystem::path& said) {
+/// What it prints goes to the file `said`. `prepare` is called in the new process, right before the program
+/// takes its place.
+inline pid_t start(
+    std::vector<std::string> arguments, const std::filesystem::path& said,
+    const std::function<void()>& prepare = [] {}) {
   const std::string config = std::string(PATELLA_SOURCE_DIR) + "/firmware_app/config/adult.toml";
   arguments.insert(arguments.begin(), {PATELLA_EXECUTABLE, "run", "--config", config});
   std::vector<char*> words;
@@ -29,6 +33,7 @@ inline pid_t start(std::vector<std::string> arguments, const std::filesystem::pa
     const int file = open(said.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
     dup2(file, STDERR_FILENO);
     dup2(file, STDOUT_FILENO);
+    prepare();
     execv(words[0], words.data());
     _exit(127);
   }

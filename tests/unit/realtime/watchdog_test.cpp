@@ -1,10 +1,9 @@
-// The thread that watches the loop, what it tells the service manager, and what a dying process still does.
+// The thread that watches the loop, and what it tells the service manager.
 #include "firmware_app/realtime/watchdog.hpp"
 
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <cstddef>
 #include <cstdlib>
 #include <string>
@@ -14,12 +13,7 @@
 #include <doctest/doctest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-#include "drivers/can/dbc.hpp"
-#include "firmware_app/realtime/emergency_exit.hpp"
-#include "tests/support/paths.hpp"
 
 using namespace patella;
 using namespace patella::app;
@@ -142,102 +136,6 @@ TEST_CASE("a watchdog of another process is not ours, and a timeout has its ceil
   CHECK_THROWS_AS(Watchdog({.timeout_s = 0.0}, pins), std::invalid_argument);
 }
 
-namespace {
-
-/// Writes down in a pipe what is done to it, with nothing but system calls.
-class Reporting final : public gpio::Pins, public can::Bus {
- public:
-  explicit Reporting(int pipe) noexcept : pipe_(pipe) {}
-  bool emergencyStop() noexcept PATELLA_NONBLOCKING override { return false; }
-  bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING override {
-    put(enabled ? 'E' : 'e');
-    return true;
-  }
-  void setHeartbeat(bool) noexcept PATELLA_NONBLOCKING override {}
-  std::uint64_t errors() const noexcept override { return 0; }
-  std::size_t receive(std::span<can::Frame>, std::int64_t) noexcept PATELLA_NONBLOCKING override { return 0; }
-  can::SendResult send(can::Frame& frame, std::int64_t) noexcept PATELLA_NONBLOCKING override {
-    bool zero = (frame.data[5] & 1U) == 0;
-    for (int i = 0; i < 5; ++i) {
-      zero = zero && frame.data[static_cast<std::size_t>(i)] == 0;
-    }
-    put(zero ? '0' : 'T');
-    return can::SendResult::kSent;
-  }
-  bool down() const noexcept override { return false; }
-  can::BusStatistics statistics() const noexcept override { return {}; }
-
- private:
-  void put(char mark) const noexcept {
-    if (write(pipe_, &mark, 1) != 1) {
-      _exit(99);
-    }
-  }
-  int pipe_;
-};
-
-can::CommandEncoder commandEncoder(const can::Database& database) {
-  const can::CommandMap map{.message = "TorqueCommand",
-                            .bindings = {{.input = "torque_Nm.1", .message = "", .signal = "Torque1"},
-                                         {.input = "torque_Nm.2", .message = "", .signal = "Torque2"},
-                                         {.input = "enable", .message = "", .signal = "Enable"},
-                                         {.input = "state", .message = "", .signal = "State"}},
-                            .protection = {"TorqueCommand", "Counter", "Crc"}};
-  return {database, map, 2};
-}
-
-struct Death {
-  std::string marks;
-  int signal = 0;
-};
-
-/// What a process leaves behind that dies by the signal, in its main or in another thread.
-Death die(int signal, bool in_other_thread) {
-  std::array<int, 2> ends{};
-  REQUIRE(pipe(ends.data()) == 0);
-  const can::Database database =
-      can::loadDbc(std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc");
-  const pid_t child = fork();
-  if (child == 0) {
-    std::signal(signal, SIG_DFL);  // not the test framework's
-    Reporting means(ends[1]);
-    can::CommandEncoder encoder = commandEncoder(database);
-    const MonotonicClock clock;
-    const EmergencyExit exit(means, means, encoder, clock, 2);
-    if (in_other_thread) {
-      std::thread([signal] { raise(signal); }).join();
-    } else {
-      raise(signal);
-    }
-    _exit(0);
-  }
-  close(ends[1]);
-  Death death;
-  char mark = 0;
-  while (read(ends[0], &mark, 1) == 1) {
-    death.marks += mark;
-  }
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  death.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  return death;
-}
-
-}  // namespace
-
-TEST_CASE("whatever signal ends the process, the line goes down and zero torque goes out first") {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGQUIT, SIGHUP, SIGXCPU}) {
-    for (const bool in_other_thread : {false, true}) {
-      CAPTURE(signal);
-      CAPTURE(in_other_thread);
-      const Death death = die(signal, in_other_thread);
-      CHECK(death.marks == "e000e000");
-      CHECK(death.signal == signal);
-    }
-  }
-}
-
 TEST_CASE("the watching thread wakes midway between two ticks") {
   using std::chrono::microseconds;
   using Instant = std::chrono::steady_clock::time_point;
@@ -252,27 +150,4 @@ TEST_CASE("the watching thread wakes midway between two ticks") {
   CHECK(look_us(10'751, 5'250, 1000) == 11'750);
   CHECK(look_us(11'249, 5'250, 1000) == 11'750);
   CHECK(look_us(10'300, 5'250, 0) == 10'300);
-}
-
-TEST_CASE("there is one emergency exit, and after it the handlers are as before") {
-  std::array<int, 2> ends{};
-  REQUIRE(pipe(ends.data()) == 0);
-  const can::Database database =
-      can::loadDbc(std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc");
-  Reporting means(ends[1]);
-  can::CommandEncoder encoder = commandEncoder(database);
-  const MonotonicClock clock;
-  struct sigaction before {};
-  sigaction(SIGQUIT, nullptr, &before);
-  {
-    const EmergencyExit first(means, means, encoder, clock, 2);
-    CHECK_THROWS_AS(EmergencyExit(means, means, encoder, clock, 2), std::logic_error);
-  }
-  struct sigaction after {};
-  sigaction(SIGQUIT, nullptr, &after);
-  const bool as_before = after.sa_handler == before.sa_handler;
-  CHECK(as_before);
-  CHECK_FALSE(EmergencyExit::begun());
-  close(ends[0]);
-  close(ends[1]);
 }
