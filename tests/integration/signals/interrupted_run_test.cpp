@@ -28,7 +28,8 @@ constexpr int kAttempts = 5;  ///< the shipped limits are short: a host that sta
 constexpr int kStopped = 3;
 constexpr int kRecordingFailed = 4;
 constexpr auto kLook = std::chrono::milliseconds(2);
-constexpr auto kLongestWait = std::chrono::seconds(20);
+constexpr auto kLongestStart = std::chrono::seconds(5);
+constexpr auto kLongestWait = std::chrono::seconds(15);
 // Longer than the time between two lines of progress on a terminal.
 constexpr auto kProgressComes = std::chrono::milliseconds(700);
 
@@ -88,7 +89,7 @@ struct Program {
   }
 
   bool waitForTorque() const {
-    const auto end = std::chrono::steady_clock::now() + kLongestWait;
+    const auto end = std::chrono::steady_clock::now() + kLongestStart;
     while (std::chrono::steady_clock::now() < end && !holds(events(), "state=active")) {
       std::this_thread::sleep_for(kLook);
     }
