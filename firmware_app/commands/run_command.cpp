@@ -192,6 +192,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
     keepOff(config.realtime.cpus);
   }
   warnOfOwnEffect(config);
+  const SignalStack signal_stack;
+  const SignalStack::InUse in_use(signal_stack);
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
   can::MeasurementDecoder decoder = makeDecoder(config);
@@ -216,8 +218,6 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   }
 
   // In virtual time nothing is late, and nothing outside waits for torque to end.
-  const SignalStack signal_stack;
-  const SignalStack::InUse in_use(signal_stack);
   std::optional<Watchdog> watchdog;
   std::optional<EmergencyExit> emergency_exit;
   if (config.clock == ClockKind::kMonotonic) {

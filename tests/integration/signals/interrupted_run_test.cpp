@@ -28,7 +28,8 @@ constexpr int kAttempts = 5;  ///< the shipped limits are short: a host that sta
 constexpr int kStopped = 3;
 constexpr int kRecordingFailed = 4;
 constexpr auto kLook = std::chrono::milliseconds(2);
-constexpr auto kLongestWait = std::chrono::seconds(20);
+constexpr auto kLongestStart = std::chrono::seconds(5);
+constexpr auto kLongestWait = std::chrono::seconds(15);
 // Longer than the time between two lines of progress on a terminal.
 constexpr auto kProgressComes = std::chrono::milliseconds(700);
 
@@ -88,8 +89,9 @@ struct Program {
   }
 
   bool waitForTorque() const {
-    const auto end = std::chrono::steady_clock::now() + kLongestWait;
-    while (std::chrono::steady_clock::now() < end && !holds(events(), "state=active")) {
+    const auto end = std::chrono::steady_clock::now() + kLongestStart;
+    while (std::chrono::steady_clock::now() < end && !holds(events(), "state=active") &&
+           !holds(events(), "state=fault")) {
       std::this_thread::sleep_for(kLook);
     }
     return holds(events(), "state=active");
@@ -217,6 +219,26 @@ TEST_CASE(
     CHECK(status == 0);
     program.checkComplete();
     CHECK(holds(program.summary(), "\"stops\": 0"));
+    return true;
+  });
+}
+
+TEST_CASE("a run that was stopped and continued commands no torque any more") {
+  untilUndisturbed([] {
+    const Program program({"--duration", "60"}, [] {});
+    const bool active = program.waitForTorque();
+    kill(program.process, SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    kill(program.process, SIGCONT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    kill(program.process, SIGTERM);
+    const int status = program.end();
+    if (!active) {
+      return false;
+    }
+    CHECK(status == kStopped);
+    CHECK(holds(program.summary(), "\"final_state\": \"fault\""));
+    CHECK(holds(program.events(), "raised=overrun"));
     return true;
   });
 }

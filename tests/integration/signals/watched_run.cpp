@@ -28,8 +28,9 @@ namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(1);
 constexpr auto kLongestWait = std::chrono::seconds(10);
-constexpr std::uint64_t kLongestRun = 16'000;     ///< ticks; whoever started it may be gone
-constexpr std::uint32_t kEntriesWhenActive = 40;  ///< of torque and a high line in a row
+constexpr auto kLongestStart = std::chrono::seconds(2);  ///< the operator's press came too early by then
+constexpr std::uint64_t kLongestRun = 16'000;            ///< ticks; whoever started it may be gone
+constexpr std::uint32_t kEntriesWhenActive = 40;         ///< of torque and a high line in a row
 
 constexpr int kOfTheChild = -2;  ///< in Ledger::status: the child's own is the process's
 
@@ -38,8 +39,8 @@ std::int64_t now_ns() noexcept {
 }
 
 template <typename Condition>
-bool comes(Condition&& condition) {
-  const auto end = std::chrono::steady_clock::now() + kLongestWait;
+bool comes(Condition&& condition, std::chrono::seconds limit = kLongestWait) {
+  const auto end = std::chrono::steady_clock::now() + limit;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > end) {
       return false;
@@ -65,7 +66,10 @@ void fallAt(Ledger& ledger, Place place) noexcept {
 
 class NotingBus final : public can::Bus {
  public:
-  NotingBus(can::Bus& bus, Ledger& ledger) noexcept : bus_(bus), ledger_(ledger) {}
+  NotingBus(sim::RigThread& bus, Ledger& ledger) noexcept : bus_(bus), ledger_(ledger) {}
+  /// The loop is set up: the rig's time begins now, so that the operator's press comes neither too early nor
+  /// late.
+  void discardPending() noexcept override { bus_.start(); }
   std::size_t receive(std::span<can::Frame> frames, std::int64_t now) noexcept PATELLA_NONBLOCKING override {
     fallAt(ledger_, Place::kLoop);
     if (ledger_.loop_thread.load(std::memory_order_relaxed) == 0) {
@@ -87,7 +91,7 @@ class NotingBus final : public can::Bus {
   can::BusStatistics statistics() const noexcept override { return bus_.statistics(); }
 
  private:
-  can::Bus& bus_;
+  sim::RigThread& bus_;
   Ledger& ledger_;
 };
 
@@ -162,7 +166,7 @@ int runLoop(Ledger& ledger) {
   config.bus.map.drive_timeout_s = kPatience_s;
   config.bus.map.emg_timeout_s = kPatience_s;
   config.rig.drive.watchdog_s = kPatience_s;
-  config.rig.operator_buttons.enable_at_s = 0.3;  // the loop has seen it released by then
+  config.rig.operator_buttons.enable_at_s = 0.1;  // the loop has seen it released by then
   config.realtime.prefault_heap_bytes = 1 << 20;  // many at once are to start quickly
 
   const MonotonicClock clock;
@@ -184,7 +188,6 @@ int runLoop(Ledger& ledger) {
   app::Watchdog watchdog(options, pins);
   loop.watchedBy(watchdog);
   const app::EmergencyExit exit(pins, bus, encoder, clock, config.model.joints());
-  rig_thread.start();
   app::runOnThread(loop, config.realtime, g_stop, [&ledger] { fallAt(ledger, Place::kMain); });
   return loop.statistics().final_state == safety::State::kActive ? 0 : 3;
 }
@@ -271,7 +274,8 @@ bool WatchedRun::becomesActive() {
     const safety::State state = ledger_->state.load(std::memory_order_relaxed);
     return state == safety::State::kFault || state == safety::State::kLimited;
   };
-  return comes([&] { return lately(kEntriesWhenActive) || stopped() || !alive(); }) && !stopped() && alive();
+  const auto decided = [&] { return lately(kEntriesWhenActive) || stopped() || !alive(); };
+  return comes(decided, kLongestStart) && !stopped() && alive();
 }
 
 void WatchedRun::send(int signal) {
