@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "drivers/can/binding_check.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 
 namespace patella::app {
@@ -29,6 +30,11 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   line(true, true, "bus",
        fmt::format("{}: {} messages, {} of them read", config.bus.dbc_path.string(),
                    config.bus.database.messages.size(), decoder.messageCount()));
+  const bool emg_assists = config.tick.gains.emg != 0.0;
+  for (const std::string& remark :
+       can::bindingRemarks(config.bus.database, config.bus.map, {&config.bus.command, 1}, emg_assists)) {
+    line(false, false, "bus map", remark);
+  }
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
   line(true, true, "weights",
        config.weights ? config.weights_path.string() : "none: the observer alone estimates");

@@ -361,6 +361,10 @@ std::string TomlTable::fullName(std::string_view key) const {
   return prefix_ + std::string(key);
 }
 
+std::string TomlTable::origin() const {
+  return state_->file + ":" + std::to_string(line_) + ": key '" + prefix_.substr(0, prefix_.size() - 1) + "'";
+}
+
 TomlDocument TomlDocument::load(const std::filesystem::path& path) {
   return parse(readFile(path), path.string());
 }

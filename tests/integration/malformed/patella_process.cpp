@@ -90,6 +90,8 @@ Workshop::Workshop() {
           ("patella-malformed-" + std::to_string(getpid()) + "-" + std::to_string(serial++));
   errors_ = root_;
   errors_ += ".stderr";
+  output_ = root_;
+  output_ += ".stdout";
   for (const char* folder : {"firmware_app/config", "drivers/can"}) {
     fs::create_directories(root_ / folder);
   }
@@ -102,6 +104,7 @@ Workshop::~Workshop() {
   std::error_code ignored;
   fs::remove_all(root_, ignored);
   fs::remove(errors_, ignored);
+  fs::remove(output_, ignored);
 }
 
 fs::path Workshop::file(std::string_view name) const {
@@ -146,7 +149,8 @@ Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                    0600);
   pid_t child = 0;
@@ -162,6 +166,7 @@ Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
   } else {
     outcome.exit_status = WEXITSTATUS(status);
   }
+  outcome.output = readAll(output_);
   outcome.errors = readAll(errors_);
   return outcome;
 }

@@ -15,6 +15,7 @@ namespace patella::test {
 struct Outcome {
   int exit_status = -1;  ///< −1 when a signal ended it
   int signal = 0;
+  std::string output;  ///< standard output
   std::string errors;  ///< standard error
 };
 
@@ -43,6 +44,7 @@ class Workshop {
 
  private:
   std::filesystem::path root_;
+  std::filesystem::path output_;
   std::filesystem::path errors_;
   std::size_t line_ = 0;
 };
