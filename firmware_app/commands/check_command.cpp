@@ -4,6 +4,7 @@
 
 #include "drivers/can/binding_check.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 
 namespace patella::app {
 namespace {
@@ -36,8 +37,11 @@ bool checkRun(const RunConfig& config, bool require_rt) {
     line(false, false, "bus map", remark);
   }
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
-  line(true, true, "weights",
-       config.weights ? config.weights_path.string() : "none: the observer alone estimates");
+  const bool unsealed = config.weights && !config.weights_sealed;
+  line(!unsealed, false, "weights",
+       unsealed         ? unsealedWarning(config.weights_path)
+       : config.weights ? config.weights_path.string()
+                        : "none: the observer alone estimates");
 
   HostNeeds needs;
   needs.priority = config.realtime.priority;

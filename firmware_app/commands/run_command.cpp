@@ -22,6 +22,7 @@
 #include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/loop_faults.hpp"
 #include "sim/rig_thread.hpp"
 #include "sim/simulated_bus.hpp"
@@ -146,7 +147,10 @@ std::string heading(const std::vector<InputFile>& files) {
 
 // What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
 // show (docs/training.md, Linear path).
-void warnOfOwnEffect(const RunConfig& config) {
+void warnOfWeights(const RunConfig& config) {
+  if (config.weights && !config.weights_sealed) {
+    spdlog::warn("{}", unsealedWarning(config.weights_path));
+  }
   if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
       config.tick.compensation == tick::CompensationSource::kNetwork) {
     spdlog::warn(
@@ -163,7 +167,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
   }
-  warnOfOwnEffect(config);
+  warnOfWeights(config);
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
   can::MeasurementDecoder decoder = makeDecoder(config);

@@ -203,7 +203,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.weights_path = *command_line.weights;
   }
   if (!config.weights_path.empty()) {
-    config.weights = loadNetworkWeights(config.weights_path);
+    config.weights = loadNetworkWeights(config.weights_path, &config.weights_sealed);
   }
   readTickConfig(root, config);
   if (command_line.reference) {

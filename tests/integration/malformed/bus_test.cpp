@@ -8,8 +8,8 @@ using namespace patella::test;
 TEST_CASE("a DBC that does not describe a bus") {
   const std::string knee = "BO_ 273 Encoder2: 8 Rig";
   expectRefused({
-      {"missing", removed(kDbc), {"patella.dbc: cannot be read"}, {}},
-      {"folder", turnedIntoFolder(kDbc), {"patella.dbc: cannot be read"}, {}},
+      {"missing", removed(kDbc), {"patella.dbc: cannot be opened: No such file"}, {}},
+      {"folder", turnedIntoFolder(kDbc), {"patella.dbc: is a directory, expected a regular file"}, {}},
       {"empty: no message that the map names", written(kDbc, ""), {"patella.dbc", "Encoder1"}, {}},
       {"syntax", replaced(kDbc, knee, "BO_ 273 Encoder2 8 Rig"), {"patella.dbc:{line}:", "':'"}, {}},
       {"signal outside of its message",
@@ -172,8 +172,8 @@ TEST_CASE("a log that cannot be replayed") {
   const std::vector<std::string> replay = {"--backend", "replay:{dir}run.log"};
   const std::string line = "(1000000000.000000) can0 110#0000000000000000\n";
   expectRunRefused({
-      {"missing", none(), {"run.log: cannot be read"}, replay},
-      {"folder", turnedIntoFolder("run.log"), {"run.log: "}, replay},
+      {"missing", none(), {"run.log: cannot be opened: No such file"}, replay},
+      {"folder", turnedIntoFolder("run.log"), {"run.log: is a directory, expected a regular file"}, replay},
       {"empty", written("run.log", ""), {"run.log: holds no frame"}, replay},
       {"garbage in line 3",
        written("run.log", line + line + "hello world\n" + line),

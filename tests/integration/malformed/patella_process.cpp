@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -187,6 +188,20 @@ Damage turnedIntoFolder(std::string name) {
   return [=](Workshop& workshop) {
     fs::remove(workshop.file(name));
     fs::create_directory(workshop.file(name));
+  };
+}
+
+Damage linkedTo(std::string name, std::string target) {
+  return [=](Workshop& workshop) {
+    fs::remove(workshop.file(name));
+    fs::create_symlink(target, workshop.file(name));
+  };
+}
+
+Damage turnedIntoPipe(std::string name) {
+  return [=](Workshop& workshop) {
+    fs::remove(workshop.file(name));
+    REQUIRE(mkfifo(workshop.file(name).c_str(), 0600) == 0);
   };
 }
 

@@ -56,6 +56,9 @@ Damage replaced(std::string name, std::string from, std::string to);
 Damage written(std::string name, std::string bytes);
 Damage removed(std::string name);
 Damage turnedIntoFolder(std::string name);
+/// The file's name leads to something else: a device, another file.
+Damage linkedTo(std::string name, std::string target);
+Damage turnedIntoPipe(std::string name);
 Damage none();
 
 struct Case {
