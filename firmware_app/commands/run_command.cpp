@@ -221,7 +221,13 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                                              decoder, recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
     summary["replay"] = {{"recorded_commands", backend.replay->recordedCommands()},
-                         {"different_commands", backend.replay->commandMismatches()}};
+                         {"different_commands", backend.replay->commandMismatches()},
+                         {"frames", backend.replay->frames()},
+                         {"frames_played", backend.replay->playedFrames()}};
+    if (backend.replay->playedFrames() < backend.replay->frames()) {
+      spdlog::warn("{}: only {} of {} frames were played; the run ended before the log did",
+                   config.backend.target, backend.replay->playedFrames(), backend.replay->frames());
+    }
     if (backend.replay->cutLine() != 0) {
       summary["replay"]["cut_in_line"] = backend.replay->cutLine();
     }

@@ -168,6 +168,36 @@ TEST_CASE("check tells of messages without protection and of drives that do not 
         std::string::npos);
 }
 
+TEST_CASE(
+    "a log is played to its end, whatever the configuration's duration; of a part that was asked for is "
+    "told") {
+  Workshop workshop;
+  std::string log;
+  for (int i = 0; i < 30; ++i)  // 15 s, and the configuration says 12
+    log += "(10000000" + std::to_string(10 + i / 2) + (i % 2 == 0 ? ".0" : ".5") +
+           "00000) can0 110#0000000000000000\n";
+  workshop.write("run.log", log);
+  const std::vector<std::string> replay = {"run",
+                                           "--config",
+                                           workshop.file(kConfig).string(),
+                                           "--backend",
+                                           "replay:" + workshop.file("run.log").string(),
+                                           "--out",
+                                           workshop.output().string()};
+  const Outcome whole = workshop.patella(replay);
+  INFO(whole.output << whole.errors);
+  CHECK(whole.exit_status == 0);
+  CHECK(workshop.read("out/summary.json").find("\"frames_played\": 30") != std::string::npos);
+  CHECK(whole.output.find("frames were played") == std::string::npos);
+  std::filesystem::remove_all(workshop.output());
+  std::vector<std::string> part = replay;
+  part.insert(part.end(), {"--duration", "1"});
+  const Outcome some = workshop.patella(part);
+  CHECK(some.exit_status == 0);
+  CHECK(some.output.find("run.log: only 2 of 30 frames were played; the run ended before the log did") !=
+        std::string::npos);
+}
+
 TEST_CASE("a log that cannot be replayed") {
   const std::vector<std::string> replay = {"--backend", "replay:{dir}run.log"};
   const std::string line = "(1000000000.000000) can0 110#0000000000000000\n";
@@ -178,6 +208,10 @@ TEST_CASE("a log that cannot be replayed") {
       {"garbage in line 3",
        written("run.log", line + line + "hello world\n" + line),
        {"run.log:3: ", "'hello'", "expected"},
+       replay},
+      {"a stamp of 1970 before all others",
+       written("run.log", "(0000000000.000000) can0 110#0000000000000000\n" + line + line),
+       {"run.log:2: the stamps jump from 0.000000 to 1000000000.000000, expected at most 60 s forward"},
        replay},
       {"data of odd digits",
        written("run.log", line + "(1000000000.001000) can0 110#123\n"),
