@@ -73,23 +73,24 @@ class FaultInjector {
     }
   }
 
-  /// Hands on to held(frame, channel) what was held back until now, and to forged(frame, channel) the forged
-  /// frames of this sample. While the bus is silent both are lost.
-  template <typename Held, typename Forged>
-  void release(Held&& held, Forged&& forged) noexcept {
+  /// Hands on to sink(frame, channel) what was held back until now; while the bus is silent it is lost.
+  template <typename Sink>
+  void release(Sink&& sink) noexcept {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < held_count_; ++i) {
       if (held_[i].due_s > time_s_) {
         held_[kept++] = held_[i];
       } else if (!silent()) {
-        held(held_[i].frame, held_[i].channel);
+        sink(held_[i].frame, held_[i].channel);
       }
     }
     held_count_ = kept;
-    if (silent()) {
-      return;
-    }
-    for (int i = 0; i < kFrameChannelCount; ++i) {
+  }
+
+  /// Hands on to sink(frame, channel) the forged frames of this sample; while the bus is silent there are none.
+  template <typename Sink>
+  void forge(Sink&& sink) noexcept {
+    for (int i = 0; i < kFrameChannelCount && !silent(); ++i) {
       const FaultEvent* event = find(FaultKind::kForgedFrames, i);
       const auto channel = static_cast<FrameChannel>(i);
       if (event == nullptr || !happens(*event)) {
@@ -97,7 +98,7 @@ class FaultInjector {
       }
       const auto frame = forger_.forge(channel, event->value, event->counter_correct, event->crc_correct);
       if (frame) {
-        forged(*frame, channel);
+        sink(*frame, channel);
       }
     }
   }
@@ -108,7 +109,7 @@ class FaultInjector {
   const std::vector<FaultEvent>& events() const noexcept { return events_; }
 
  private:
-  struct HeldFrame {
+  struct Held {
     can::Frame frame;
     FrameChannel channel = FrameChannel::kEncoder1;
     double due_s = 0.0;
@@ -134,7 +135,7 @@ class FaultInjector {
   Random random_;
   double time_s_ = 0.0;
   std::size_t active_count_ = 0;
-  std::vector<HeldFrame> held_;
+  std::vector<Held> held_;
   std::size_t held_count_ = 0;
   std::array<std::optional<can::Frame>, kFrameChannelCount> reordered_;
   std::array<std::optional<std::pair<double, double>>, kMaxJoints> frozen_;

@@ -166,6 +166,13 @@ void Rig::integrateTo(std::int64_t instant_ns) noexcept {
 void Rig::sample() noexcept {
   const double time_s = static_cast<double>(now_ns_ - epoch_ns_) * 1e-9;
   sampleFaults(time_s);
+  faults_.release([this](const can::Frame& frame, FrameChannel channel) {
+    if (channel == FrameChannel::kCommand) {
+      obey(frame);
+    } else {
+      queue(frame);
+    }
+  });
   const PlantState& state = plant_.state();
   for (std::size_t joint = 0; joint < encoders_.size(); ++joint) {
     const auto i = static_cast<Eigen::Index>(joint);
@@ -191,20 +198,13 @@ void Rig::sample() noexcept {
     send(messages_.operatorButtons(time_s >= operator_.enable_at_s, resetPressed(time_s)),
          FrameChannel::kOperator);
   }
-  faults_.release(
-      [this](const can::Frame& frame, FrameChannel channel) {
-        if (channel == FrameChannel::kCommand) {
-          obey(frame);
-        } else {
-          queue(frame);
-        }
-      },
-      [this](const can::Frame& frame, FrameChannel channel) {
-        if (channel == FrameChannel::kCommand) {
-          obey(frame);
-        }
-        queue(frame);  // a bus is heard by everybody, commands of another sender included
-      });
+  // A bus is heard by everybody, commands of another sender included.
+  faults_.forge([this](const can::Frame& frame, FrameChannel channel) {
+    if (channel == FrameChannel::kCommand) {
+      obey(frame);
+    }
+    queue(frame);
+  });
   ++statistics_.samples;
 }
 

@@ -17,6 +17,10 @@ struct Binding {
   std::string signal;
   double scale = 1.0;
   double offset = 0.0;
+  bool shared = false;         ///< its signal feeds other inputs too, each of which says so
+  std::string scale_reason{};  ///< what scale holds besides the change of units, a gear say; else the DBC's
+                               ///< unit has to agree with it
+  std::string origin{};        ///< where it was written, "file:line: key 'input[2]'"; for messages
 };
 
 struct BusMap {

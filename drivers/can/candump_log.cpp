@@ -230,32 +230,38 @@ std::size_t formatLogLine(std::span<char> out, const LogEntry& entry) noexcept {
   return format(out, entry.frame, entry.interface, entry.fd_flags, entry.direction);
 }
 
-CandumpReader::CandumpReader(const std::filesystem::path& file)
-    : name_(file.string()), stream_(file, std::ios::binary) {
-  if (!stream_ || std::filesystem::is_directory(file))
-    throw LogError(name_ + ": cannot be read");
+CandumpReader::CandumpReader(const std::filesystem::path& file) : name_(file.string()) {
+  try {
+    lines_.emplace(file, kLongestReadLine);
+  } catch (const std::runtime_error& error) {
+    throw LogError(error.what());
+  }
+}
+
+bool CandumpReader::nextLine() {
+  try {
+    return lines_->next(text_);
+  } catch (const std::runtime_error& error) {
+    throw LogError(error.what());
+  }
 }
 
 bool CandumpReader::next(LogEntry& entry) {
-  while (std::getline(stream_, text_)) {
-    ++line_;
-    unterminated_ = stream_.eof();
+  while (nextLine()) {
     if (text_.empty() || text_ == "\r")
       continue;
     try {
       parseLogLine(text_, entry);
     } catch (const std::invalid_argument& error) {
-      if (unterminated_ && found_) {
-        cut_line_ = line_;
+      if (unterminated() && found_) {
+        cut_line_ = line();
         return false;
       }
-      throw LogError(name_ + ":" + std::to_string(line_) + ": " + error.what());
+      throw LogError(name_ + ":" + std::to_string(line()) + ": " + error.what());
     }
     found_ = true;
     return true;
   }
-  if (stream_.bad())
-    throw LogError(name_ + ":" + std::to_string(line_ + 1) + ": reading failed");
   return false;
 }
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -12,6 +12,7 @@
 
 #include "core/types.hpp"
 #include "drivers/can/can_frame.hpp"
+#include "drivers/files/line_reader.hpp"
 
 namespace patella::can {
 
@@ -19,6 +20,8 @@ namespace patella::can {
 inline constexpr std::size_t kMaxInterfaceName = 15;
 /// Room for the longest line with its line feed.
 inline constexpr std::size_t kMaxLogLine = 256;
+/// Longest line that is read; blanks may stand between its parts.
+inline constexpr std::size_t kLongestReadLine = 1024;
 
 struct LogEntry {
   Frame frame;  ///< wall_ns from the stamp; monotonic_ns 0
@@ -49,7 +52,7 @@ std::size_t formatLogLine(std::span<char> out, const LogEntry& entry) noexcept P
 /// Reads a log line by line; holds one line at a time, however long the file.
 class CandumpReader {
  public:
-  /// Throws LogError where the file cannot be read.
+  /// Throws LogError where the file cannot be read or is no regular one.
   explicit CandumpReader(const std::filesystem::path& file);
 
   /// False at the end. Empty lines are passed over; throws LogError at a line that is no log line, unless it
@@ -58,18 +61,18 @@ class CandumpReader {
   /// Number of such a last line; 0 where there is none.
   std::size_t cutLine() const noexcept { return cut_line_; }
   /// The newest line had no line feed. From a writer that always ends its lines, it is a cut one as well.
-  bool unterminated() const noexcept { return unterminated_; }
+  bool unterminated() const noexcept { return lines_->unterminated(); }
 
-  std::size_t line() const noexcept { return line_; }
+  std::size_t line() const noexcept { return lines_->line(); }
 
  private:
+  bool nextLine();
+
   std::string name_;
-  std::ifstream stream_;
+  std::optional<files::LineReader> lines_;
   std::string text_;
-  std::size_t line_ = 0;
   std::size_t cut_line_ = 0;
   bool found_ = false;
-  bool unterminated_ = false;
 };
 
 }  // namespace patella::can

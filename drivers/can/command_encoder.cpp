@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "drivers/can/binding_check.hpp"
+
 namespace patella::can {
 
 CommandEncoder::CommandEncoder(const Database& database, const CommandMap& map, int joints)
@@ -12,6 +14,7 @@ CommandEncoder::CommandEncoder(const Database& database, const CommandMap& map, 
     throw std::invalid_argument("number of joints is " + std::to_string(joints) + ", expected 1 to " +
                                 std::to_string(kMaxJoints));
   }
+  checkBindings(database, {}, {&map, 1});
   for (const Binding& binding : map.bindings) {
     const std::string quoted = "output '" + binding.input + "'";
     if (!binding.message.empty() && binding.message != map.message) {
@@ -35,8 +38,6 @@ CommandEncoder::CommandEncoder(const Database& database, const CommandMap& map, 
       throw std::invalid_argument(quoted + " is unknown; there are: torque_Nm.1 to torque_Nm." +
                                   std::to_string(joints_) + ", enable, state");
     }
-    if (output->has_value())
-      throw std::invalid_argument(quoted + " is bound twice");
     try {
       *output = Output{encoder_.slot(binding.signal), binding.scale, binding.offset};
     } catch (const std::invalid_argument& error) {

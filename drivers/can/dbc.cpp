@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "drivers/can/dbc_attributes.hpp"
 #include "drivers/can/dbc_check.hpp"
+#include "drivers/can/dbc_keywords.hpp"
+#include "drivers/can/dbc_limits.hpp"
 #include "drivers/can/dbc_scanner.hpp"
 #include "drivers/can/text_encoding.hpp"
 
@@ -18,25 +22,6 @@ constexpr std::uint32_t kLargestExtendedId = 0x1FFFFFFFU;
 constexpr std::uint32_t kIndependentSignals = 0xC0000000U;
 /// The longest message that J1939's transport protocol carries, bytes.
 constexpr std::uint64_t kLargestLength = 1785;
-
-/// Statements that do not bear on decoding: checked for form, then dropped.
-constexpr std::array<std::string_view, 22> kSkipped = {
-    "VAL_TABLE_",       "EV_",        "ENVVAR_DATA_", "EV_DATA_",          "SGTYPE_",    "SGTYPE_VAL_",
-    "SIG_TYPE_REF_",    "SIG_GROUP_", "BA_REL_",      "BA_DEF_REL_",       "BA_SGTYPE_", "BA_DEF_DEF_REL_",
-    "BA_DEF_SGTYPE_",   "BU_SG_REL_", "BU_EV_REL_",   "BU_BO_REL_",        "CAT_DEF_",   "CAT_",
-    "SIGTYPE_VALTYPE_", "NS_DESC_",   "FILTER",       "BA_DEF_DEF_SGTYPE_"};
-constexpr std::array<std::string_view, 15> kRead = {
-    "VERSION", "NS_", "BS_",         "BU_",  "BO_",         "SG_",          "BO_TX_BU_", "CM_",
-    "BA_DEF_", "BA_", "BA_DEF_DEF_", "VAL_", "SG_MUL_VAL_", "SIG_VALTYPE_", "VAL_TABLE_"};
-
-template <typename List>
-bool contains(const List& list, std::string_view word) {
-  return std::find(list.begin(), list.end(), word) != list.end();
-}
-
-bool isKeyword(std::string_view word) {
-  return contains(kRead, word) || contains(kSkipped, word);
-}
 
 std::string hex(std::uint32_t id) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
@@ -82,6 +67,10 @@ class Parser {
   DbcScanner scanner_;
   Database database_;
   std::vector<DbcMarks> marks_;
+  std::unordered_map<std::uint32_t, std::size_t> by_id_;  ///< place of each message, by raw identifier
+  std::unordered_set<std::string> names_;
+  std::size_t signals_ = 0;
+  std::size_t ranges_ = 0;
   Message independent_;
   DbcAttributes attributes_;
 };
@@ -115,7 +104,7 @@ void Parser::statement() {
     multiplexedValues();
   } else if (keyword == "SIG_VALTYPE_") {
     valueType();
-  } else if (contains(kSkipped, keyword)) {
+  } else if (contains(kSkippedStatements, keyword)) {
     scanner_.skipStatement();
   } else if (keyword == "SG_") {
     scanner_.failAt(start, "found 'SG_' outside a message, expected a statement such as BO_, CM_ or VAL_");
@@ -163,9 +152,14 @@ void Parser::message() {
   scanner_.expect(':');
   message.length = static_cast<int>(scanner_.natural("the message's length in bytes", kLargestLength));
   message.senders.emplace_back(scanner_.word("the sender's name"));
-  while (scanner_.peekWord() == "SG_")
+  const bool independent = raw_id == kIndependentSignals;
+  while (scanner_.peekWord() == "SG_") {
     signal(message, marks);
-  if (raw_id == kIndependentSignals) {
+    scanner_.bound(message.signals.size(), independent ? kMostDbcIndependentSignals : kMostDbcMessageSignals,
+                   "signals of a message");
+    scanner_.bound(++signals_, kMostDbcSignals, "signals");
+  }
+  if (independent) {
     independent_ = std::move(message);
     return;
   }
@@ -174,13 +168,15 @@ void Parser::message() {
                                hex(message.id) + " of message '" + message.name + "' is wider than " +
                                (message.extended ? "29" : "11") + " bits");
   }
-  if (const Message* other = database_.find(message.id, message.extended)) {
+  if (const Message* other = messageOf(raw_id)) {
     scanner_.failAt(start, "messages '" + other->name + "' and '" + message.name + "' share the identifier " +
                                hex(message.id));
   }
-  if (database_.find(message.name) != nullptr) {
+  if (!names_.insert(message.name).second) {
     scanner_.failAt(marks.message, "a message '" + message.name + "' is defined already");
   }
+  scanner_.bound(database_.messages.size() + 1, kMostDbcMessages, "messages");
+  by_id_[raw_id] = database_.messages.size();
   database_.messages.push_back(std::move(message));
   marks_.push_back(std::move(marks));
 }
@@ -254,7 +250,8 @@ void Parser::signal(Message& message, DbcMarks& marks) {
 Message* Parser::messageOf(std::uint32_t raw_id) {
   if (raw_id == kIndependentSignals)
     return &independent_;
-  return const_cast<Message*>(database_.find(raw_id & ~kDbcExtendedFlag, (raw_id & kDbcExtendedFlag) != 0));
+  const auto found = by_id_.find(raw_id);
+  return found == by_id_.end() ? nullptr : &database_.messages[found->second];
 }
 
 std::pair<Message*, Signal*> Parser::requiredSignal() {
@@ -277,6 +274,8 @@ void Parser::transmitters() {
   std::vector<std::string> senders;
   while (scanner_.nextIsWord()) {
     senders.emplace_back(scanner_.word("a sender's name"));
+    scanner_.bound(senders.size() + (message == nullptr ? 0 : message->senders.size()), kMostDbcSenders,
+                   "senders of a message");
     scanner_.accept(',');
   }
   scanner_.expect(';');
@@ -366,6 +365,7 @@ void Parser::multiplexedValues() {
     if (range.last < range.first)
       scanner_.failAt(range_start, "range ends before it begins");
     signal->multiplex_ranges.push_back(range);
+    scanner_.bound(++ranges_, kMostDbcRanges, "ranges of multiplexors");
   } while (scanner_.accept(','));
   scanner_.expect(';');
 }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "drivers/can/dbc_limits.hpp"
+
 namespace patella::can {
 namespace {
 
@@ -34,6 +36,7 @@ void DbcAttributes::definition(DbcScanner& scanner) {
     values.clear();
     do {
       values.push_back(scanner.quoted("a value of the enumeration in quotes"));
+      scanner.bound(values.size(), kMostDbcEnumeration, "values of an attribute");
     } while (scanner.accept(','));
   } else if (type == "INT" || type == "HEX" || type == "FLOAT") {
     while (scanner.nextIsNumber())

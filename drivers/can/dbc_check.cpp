@@ -1,7 +1,12 @@
 #include "drivers/can/dbc_check.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string>
+#include <unordered_map>
+
+#include "drivers/can/dbc_limits.hpp"
 
 namespace patella::can {
 namespace {
@@ -17,12 +22,31 @@ int firstLinearBit(const Signal& signal) {
   return signal.byte_order == ByteOrder::kIntel ? signal.start_bit : signal.start_bit - place + 7 - place;
 }
 
-std::vector<bool> occupiedBits(const Signal& signal, int length_bytes) {
-  std::vector<bool> bits(static_cast<std::size_t>(length_bytes) * 8, false);
+/// A set of bits, of which only the words in use are kept.
+struct Bits {
+  std::size_t first_word = 0;
+  std::vector<std::uint64_t> words;
+
+  bool overlaps(const Bits& other) const {
+    const std::size_t first = std::max(first_word, other.first_word);
+    const std::size_t end = std::min(first_word + words.size(), other.first_word + other.words.size());
+    for (std::size_t word = first; word < end; ++word) {
+      if ((words[word - first_word] & other.words[word - other.first_word]) != 0)
+        return true;
+    }
+    return false;
+  }
+};
+
+Bits occupiedBits(const Signal& signal) {
+  constexpr int kWord = 64;
   const int first = firstLinearBit(signal);
+  Bits bits{.first_word = static_cast<std::size_t>(first / kWord), .words = {}};
+  bits.words.resize(static_cast<std::size_t>((first + signal.length - 1) / kWord) - bits.first_word + 1);
   for (int i = first; i < first + signal.length; ++i) {
     const int place = signal.byte_order == ByteOrder::kIntel ? i % 8 : 7 - i % 8;
-    bits[static_cast<std::size_t>(i / 8 * 8 + place)] = true;
+    const int bit = i / 8 * 8 + place;
+    bits.words[static_cast<std::size_t>(bit / kWord) - bits.first_word] |= std::uint64_t{1} << (bit % kWord);
   }
   return bits;
 }
@@ -45,14 +69,39 @@ void resolveMultiplexors(Message& message, const DbcMarks& marks, const DbcRepor
       }
       signal.multiplexor = roots.front()->name;
     }
-    // More steps upwards than there are signals mean a circle.
-    const Signal* above = &signal;
-    for (std::size_t steps = 0; above != nullptr && !above->multiplexor.empty(); ++steps) {
-      if (steps > message.signals.size()) {
-        report(marks.signals[i], "signal " + quote(signal.name) + " is selected by itself through " +
-                                     quote(signal.multiplexor));
+  }
+}
+
+constexpr std::size_t kNoSignal = std::numeric_limits<std::size_t>::max();
+
+/// For each signal, the place of the multiplexor that selects it.
+std::vector<std::size_t> selectors(const Message& message) {
+  std::unordered_map<std::string_view, std::size_t> places;
+  for (std::size_t i = 0; i < message.signals.size(); ++i)
+    places.emplace(message.signals[i].name, i);
+  std::vector<std::size_t> above;
+  for (const Signal& signal : message.signals) {
+    const auto found = places.find(signal.multiplexor);
+    above.push_back(signal.multiplexor.empty() || found == places.end() ? kNoSignal : found->second);
+  }
+  return above;
+}
+
+void checkCascades(const Message& message, const std::vector<std::size_t>& above, const DbcMarks& marks,
+                   const DbcReporter& report) {
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    std::size_t steps = 0;
+    for (std::size_t at = above[i]; at != kNoSignal; at = above[at]) {
+      if (at == i) {
+        report(marks.signals[i], "signal " + quote(message.signals[i].name) +
+                                     " is selected by itself through " +
+                                     quote(message.signals[i].multiplexor));
       }
-      above = message.find(above->multiplexor);
+      if (++steps > kDeepestDbcCascade) {
+        report(marks.signals[i], "more than " + std::to_string(kDeepestDbcCascade) +
+                                     " multiplexors select signal " + quote(message.signals[i].name) +
+                                     " through one another");
+      }
     }
   }
 }
@@ -65,10 +114,12 @@ bool disjoint(const std::vector<MultiplexRange>& a, const std::vector<MultiplexR
 }
 
 /// True where some multiplexor above both selects them by different values.
-bool neverTogether(const Message& message, const Signal& a, const Signal& b) {
-  for (const Signal* x = &a; x != nullptr && !x->multiplexor.empty(); x = message.find(x->multiplexor)) {
-    for (const Signal* y = &b; y != nullptr && !y->multiplexor.empty(); y = message.find(y->multiplexor)) {
-      if (x->multiplexor == y->multiplexor && disjoint(x->multiplex_ranges, y->multiplex_ranges))
+bool neverTogether(const Message& message, const std::vector<std::size_t>& above, std::size_t a,
+                   std::size_t b) {
+  const std::vector<Signal>& signals = message.signals;
+  for (std::size_t x = a; x != kNoSignal && above[x] != kNoSignal; x = above[x]) {
+    for (std::size_t y = b; y != kNoSignal && above[y] != kNoSignal; y = above[y]) {
+      if (above[x] == above[y] && disjoint(signals[x].multiplex_ranges, signals[y].multiplex_ranges))
         return true;
     }
   }
@@ -107,13 +158,13 @@ void completeAndCheck(Message& message, const DbcMarks& marks, const DbcReporter
     checkSignal(message, signal, marks.signals[i], report);
   }
   resolveMultiplexors(message, marks, report);
-  std::vector<std::vector<bool>> bits;
+  const std::vector<std::size_t> above = selectors(message);
+  checkCascades(message, above, marks, report);
+  std::vector<Bits> bits;
   for (std::size_t i = 0; i < message.signals.size(); ++i) {
-    bits.push_back(occupiedBits(message.signals[i], message.length));
+    bits.push_back(occupiedBits(message.signals[i]));
     for (std::size_t k = 0; k < i; ++k) {
-      const auto both = std::mismatch(bits[i].begin(), bits[i].end(), bits[k].begin(),
-                                      [](bool a, bool b) { return !(a && b); });
-      if (both.first != bits[i].end() && !neverTogether(message, message.signals[i], message.signals[k])) {
+      if (bits[i].overlaps(bits[k]) && !neverTogether(message, above, i, k)) {
         report(marks.signals[i], "signals " + quote(message.signals[k].name) + " and " +
                                      quote(message.signals[i].name) + " overlap in message " +
                                      quote(message.name));

@@ -1,25 +1,20 @@
 // A database from its file, and what it holds, by name and by identifier.
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "drivers/can/dbc.hpp"
+#include "drivers/files/regular_file.hpp"
 
 namespace patella::can {
 
 Database loadDbc(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text;
   try {
-    // A folder opens, but reading it throws.
-    text.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-  } catch (const std::ios_base::failure&) {
-    stream.setstate(std::ios::failbit);
+    return parseDbc(files::readWhole(file, files::kBusDescription), file.string());
+  } catch (const DbcError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw DbcError(error.what());
   }
-  if (!stream)
-    throw DbcError(file.string() + ": cannot be read");
-  return parseDbc(text, file.string());
 }
 
 const Signal* Message::find(std::string_view signal) const noexcept {

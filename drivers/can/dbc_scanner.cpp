@@ -208,6 +208,13 @@ std::string DbcScanner::found() {
   return "'" + std::string(text_.substr(position_, end - position_)) + "'";
 }
 
+void DbcScanner::bound(std::size_t count, std::size_t most, std::string_view of) {
+  if (count > most) {
+    failAt(position_, "more than " + std::to_string(most) + " " + std::string(of) + ", expected at most " +
+                          std::to_string(most));
+  }
+}
+
 void DbcScanner::fail(std::string_view expected) {
   const std::string what = found();
   failAt(position_, "found " + what + ", expected " + std::string(expected));

@@ -35,6 +35,8 @@ class DbcScanner {
   /// Skips words, numbers, strings and punctuation up to and with the semicolon.
   void skipStatement();
 
+  /// Fails where there are more of something than a description may have.
+  void bound(std::size_t count, std::size_t most, std::string_view of);
   [[noreturn]] void fail(std::string_view expected);
   [[noreturn]] void failAt(std::size_t offset, std::string_view message) const;
 

@@ -1,12 +1,12 @@
 #include "drivers/can/measurement_decoder.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "drivers/can/binding_check.hpp"
 #include "drivers/can/elapsed_periods.hpp"
 
 namespace patella::can {
@@ -23,23 +23,6 @@ std::int64_t toNanoseconds(const char* key, double seconds) {
 }
 
 }  // namespace
-
-struct MeasurementDecoder::InputName {
-  std::string_view name;
-  Group group;
-  bool indexed;
-};
-
-const std::array<MeasurementDecoder::InputName, MeasurementDecoder::kInputCount>
-    MeasurementDecoder::kInputNames = {{{"position_rad", kEncoder, true},
-                                        {"velocity_rad_s", kEncoder, true},
-                                        {"drive_torque_Nm", kDrive, true},
-                                        {"emg_mV", kEmgGroup, true},
-                                        {"true_f_u", kNoTimeout, true},
-                                        {"drive_enabled", kDrive, false},
-                                        {"drive_fault", kDrive, false},
-                                        {"operator_enable", kOperator, false},
-                                        {"operator_reset", kOperator, false}}};
 
 MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& map, int joints)
     : joints_(joints),
@@ -66,6 +49,7 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   for (const Protection& protection : map.protections) {
     CompiledMessage(database.message(protection.message), protection);
   }
+  checkBindings(database, map, {});
   for (const Binding& binding : map.bindings)
     bind(database, map, binding);
 
@@ -105,47 +89,20 @@ MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Databas
 
 void MeasurementDecoder::bind(const Database& database, const BusMap& map, const Binding& binding) {
   const std::string quoted = "input '" + binding.input + "'";
-  const std::size_t dot = binding.input.find('.');
-  const std::string_view name = std::string_view(binding.input).substr(0, dot);
-  const auto known = std::find_if(kInputNames.begin(), kInputNames.end(),
-                                  [&](const InputName& candidate) { return candidate.name == name; });
-  if (known == kInputNames.end()) {
-    std::string names;
-    for (const InputName& candidate : kInputNames) {
-      names += std::string(names.empty() ? "" : ", ") + std::string(candidate.name) +
-               (candidate.indexed ? ".<number>" : "");
-    }
-    throw std::invalid_argument(quoted + " is unknown; there are: " + names);
-  }
-  const auto input = static_cast<Input>(known - kInputNames.begin());
-  int number = 1;
-  if (known->indexed) {
-    const int largest = input == Input::kEmg ? kMaxEmgChannels : joints_;
-    const char* const first = binding.input.data() + std::min(dot, binding.input.size() - 1) + 1;
-    const char* const last = binding.input.data() + binding.input.size();
-    const auto [end, error] = std::from_chars(first, last, number);
-    if (error != std::errc() || end != last || number < 1 || number > largest) {
-      throw std::invalid_argument(quoted + " needs a number from 1 to " + std::to_string(largest) +
-                                  " after the dot");
-    }
-  } else if (dot != std::string::npos) {
-    throw std::invalid_argument(quoted + " takes no number");
-  }
+  const InputId id = inputOf(binding.input, joints_);
+  const auto [input, index] = id;
+  const InputGroup group = id.kind().group;
   if (!std::isfinite(binding.scale) || binding.scale == 0.0 || !std::isfinite(binding.offset)) {
     throw std::invalid_argument(quoted + ": expected a finite scale other than 0 and a finite offset");
   }
-  const auto index = static_cast<std::size_t>(number - 1);
-  bool& bound = bound_[static_cast<std::size_t>(input)][index];
-  if (bound)
-    throw std::invalid_argument(quoted + " is bound twice");
-  bound = true;
+  bound_[static_cast<std::size_t>(input)][index] = true;
 
   try {
     BoundMessage& message = boundMessage(database, map, binding.message);
     message.inputs.push_back({input, static_cast<std::uint8_t>(index), message.decoder.slot(binding.signal),
                               binding.scale, binding.offset});
-    message.groups[known->group] = true;
-    message.timeout_ns = std::min(message.timeout_ns, timeouts_ns_[known->group]);
+    message.groups[group] = true;
+    message.timeout_ns = std::min(message.timeout_ns, timeouts_ns_[group]);
     const bool emg_only = input == Input::kEmg && message.period_ns == 0;
     if (emg_only || input == Input::kPosition) {
       message.period_ns = toNanoseconds("period", emg_only ? map.emg_period_s : map.encoder_period_s);
@@ -163,7 +120,7 @@ void MeasurementDecoder::requireAllOrNone(Input input) const {
   const auto& bound = bound_[static_cast<std::size_t>(input)];
   const auto count = std::count(bound.begin(), bound.begin() + joints_, true);
   if (count != 0 && count != joints_) {
-    throw std::invalid_argument("input '" + std::string(kInputNames[static_cast<std::size_t>(input)].name) +
+    throw std::invalid_argument("input '" + std::string(kInputKinds[static_cast<std::size_t>(input)].name) +
                                 "' is bound for some joints and not for others; expected all or none");
   }
 }
@@ -346,9 +303,9 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
 }
 
 // Input by input: of a multiplexed message one part may be missing while the others come.
-bool MeasurementDecoder::stale(Group group, std::int64_t now_ns) const noexcept {
+bool MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const noexcept {
   for (std::size_t input = 0; input < kInputCount; ++input) {
-    if (kInputNames[input].group != group)
+    if (kInputKinds[input].group != group)
       continue;
     for (std::size_t i = 0; i < kMaxIndex; ++i) {
       if (seen_[input][i] && now_ns - stored_ns_[input][i] > timeouts_ns_[group])
@@ -362,13 +319,13 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   measurement_.encoder_steps = encoder_samples_.take();
   measurement_.emg_steps = emg_samples_.take();
   Reading reading;
-  if (stale(kEncoder, now_ns))
+  if (stale(kEncoderGroup, now_ns))
     reading.faults.add(safety::Fault::kEncoderStale);
-  if (stale(kDrive, now_ns))
+  if (stale(kDriveGroup, now_ns))
     reading.faults.add(safety::Fault::kDriveStale);
   if (stale(kEmgGroup, now_ns))
     reading.faults.add(safety::Fault::kEmgStale);
-  if (stale(kOperator, now_ns)) {
+  if (stale(kOperatorGroup, now_ns)) {
     enable_stuck_ = reset_stuck_ = true;
     measurement_.operator_enable = measurement_.operator_reset = false;
   }
@@ -379,7 +336,7 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
       reading.faults.add(safety::Fault::kFrameCorrupt);
     if (message.sequence.tooMany(tolerated_))
       reading.faults.add(safety::Fault::kFrameSequence);
-    if (message.groups[kEncoder] && message.implausible.tooMany(tolerated_)) {
+    if (message.groups[kEncoderGroup] && message.implausible.tooMany(tolerated_)) {
       reading.faults.add(safety::Fault::kEncoderImplausible);
     }
   }

@@ -17,6 +17,7 @@
 #include "drivers/can/can_frame.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/drive_reports.hpp"
+#include "drivers/can/input_table.hpp"
 #include "drivers/can/message_codec.hpp"
 #include "drivers/can/sample_set.hpp"
 
@@ -47,7 +48,8 @@ struct Reading {
 /// A frame that fails by CRC, repeats its counter or holds a value out of range changes no input.
 class MeasurementDecoder {
  public:
-  /// Throws std::invalid_argument naming input, message or signal, and what exists.
+  /// Throws std::invalid_argument naming input, message or signal, and what exists; also where
+  /// checkBindings() refuses the map.
   MeasurementDecoder(const Database& database, const BusMap& map, int joints);
 
   /// Takes one frame, in order of arrival. Own echoes, error reports and remote requests are passed over.
@@ -58,7 +60,7 @@ class MeasurementDecoder {
   Reading finish(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
 
   /// Longest age of an encoder sample that may be acted on, ns.
-  std::int64_t encoderTimeout_ns() const noexcept { return timeouts_ns_[kEncoder]; }
+  std::int64_t encoderTimeout_ns() const noexcept { return timeouts_ns_[kEncoderGroup]; }
 
   /// Bound messages in the order of their first binding.
   std::size_t messageCount() const noexcept { return messages_.size(); }
@@ -72,25 +74,8 @@ class MeasurementDecoder {
   std::uint64_t unknownFrames() const noexcept { return unknown_frames_; }
 
  private:
-  enum class Input : std::uint8_t {
-    kPosition,
-    kVelocity,
-    kDriveTorque,
-    kEmg,
-    kTruth,
-    kDriveEnabled,
-    kDriveFault,
-    kOperatorEnable,
-    kOperatorReset,
-    kCount
-  };
-  enum Group : std::uint8_t { kEncoder, kDrive, kEmgGroup, kOperator, kNoTimeout, kGroupCount };
-  static constexpr std::size_t kInputCount = static_cast<std::size_t>(Input::kCount);
   static constexpr std::size_t kMaxIndex = kMaxEmgChannels > kMaxJoints ? kMaxEmgChannels : kMaxJoints;
   static constexpr std::size_t kMaxInputs = kInputCount * kMaxIndex;
-
-  struct InputName;
-  static const std::array<InputName, kInputCount> kInputNames;
 
   struct BoundInput {
     Input input = Input::kPosition;
@@ -104,7 +89,7 @@ class MeasurementDecoder {
     explicit BoundMessage(MessageDecoder message_decoder) : decoder(std::move(message_decoder)) {}
     MessageDecoder decoder;
     std::vector<BoundInput> inputs;
-    std::array<bool, kGroupCount> groups{};
+    std::array<bool, kInputGroupCount> groups{};
     std::int64_t timeout_ns = std::numeric_limits<std::int64_t>::max();  ///< shortest of its groups
     std::int64_t period_ns = 0;
     std::int64_t sample = 0;  ///< running number of its newest frame
@@ -131,10 +116,10 @@ class MeasurementDecoder {
                          double position_rad) const noexcept;
   void store(BoundMessage& message, const Frame& frame, const Values& values) noexcept;
   void storeInput(const BoundMessage& message, const BoundInput& input, double value) noexcept;
-  bool stale(Group group, std::int64_t now_ns) const noexcept;
+  bool stale(InputGroup group, std::int64_t now_ns) const noexcept;
 
   int joints_;
-  std::array<std::int64_t, kGroupCount> timeouts_ns_{};
+  std::array<std::int64_t, kInputGroupCount> timeouts_ns_{};
   double position_min_rad_;
   double position_max_rad_;
   double position_jump_rad_;

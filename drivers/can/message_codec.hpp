@@ -21,6 +21,7 @@ struct Protection {
   std::string message;
   std::string counter_signal;  ///< unsigned, 1 to 16 bits
   std::string crc_signal;      ///< one whole byte, see frameCrc()
+  std::string origin{};        ///< where it was written; for messages
 };
 
 /// The CAN FD length that holds `bytes`: 0 to 8, 12, 16, 20, 24, 32, 48 or 64.

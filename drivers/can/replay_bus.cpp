@@ -1,20 +1,41 @@
 #include "drivers/can/replay_bus.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "drivers/can/candump_log.hpp"
+#include "drivers/can/stamp_order.hpp"
 
 namespace patella::can {
+namespace {
+
+std::string stampText(std::int64_t wall_ns) {
+  constexpr std::int64_t kSecond_us = 1'000'000;
+  const std::int64_t wall_us = wall_ns / 1000;
+  const std::string fraction = std::to_string(kSecond_us + wall_us % kSecond_us).substr(1);
+  return std::to_string(wall_us / kSecond_us) + "." + fraction;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const StampOrder::Jump& jump) {
+  throw LogError(file.string() + ":" + std::to_string(jump.line) + ": the stamps jump from " +
+                 stampText(jump.from_ns) + " to " + stampText(jump.to_ns) + ", expected at most " +
+                 std::to_string(kLongestGap_s) + " s forward and " + std::to_string(kLongestStepBack_s) +
+                 " s back in a log that is played by its stamps; cut it there, or mend them");
+}
+
+}  // namespace
 
 ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& options) {
   CandumpReader reader(file);
   LogEntry entry;
+  StampOrder stamps;
   bool last_is_command = false;
   while (reader.next(entry)) {
     const bool command = options.command_id == entry.frame.id &&
                          options.command_extended == entry.frame.extended && !entry.frame.error &&
                          !entry.frame.remote;
     last_is_command = command;
+    stamps.follow(reader.line(), entry.frame.wall_ns);
     if (command) {
       commands_.push_back(entry.frame);
       tick_end_.push_back(frames_.size());
@@ -36,6 +57,9 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
   }
   if (frames_.empty() && commands_.empty())
     throw LogError(file.string() + ": holds no frame");
+  // A loop's own log is played tick by tick: its wall clock may have been set while it ran.
+  if (commands_.empty() && stamps.firstJump())
+    refuse(file, *stamps.firstJump());
   for (std::size_t i = 0; i < options.farewell_commands && tick_end_.size() > 1; ++i) {
     if (tick_end_.back() != frames_.size() || tick_end_[tick_end_.size() - 2] != frames_.size())
       break;

@@ -30,11 +30,11 @@ struct ReplayOptions {
 /// n-th. Frames are stamped with the tick's time on the loop clock.
 ///
 /// Any other log is given by its stamps, the first frame at the first receive(); each frame's time on the
-/// loop clock follows from its stamp. What is sent is dropped.
+/// loop clock follows from its stamp. What is sent is dropped. Stamps that jump, see StampOrder, are refused.
 class ReplayBus final : public Bus {
  public:
-  /// Reads and checks the whole log. Throws LogError at the first line that is none, and for a log without
-  /// frames.
+  /// Reads and checks the whole log. Throws LogError at the first line that is none or whose stamp jumps, and
+  /// for a log without frames.
   explicit ReplayBus(const std::filesystem::path& file, const ReplayOptions& options = {});
 
   /// A new `now_ns` begins a new tick; calls with the same one continue it, where `frames` was too small.
@@ -50,6 +50,9 @@ class ReplayBus final : public Bus {
   bool hasCommands() const noexcept { return !commands_.empty(); }
   /// Line within which the log ends, see CandumpReader; 0 where it is whole.
   std::size_t cutLine() const noexcept { return cut_line_; }
+  /// Frames of the log that are to be given, and those that have been.
+  std::size_t frames() const noexcept { return frames_.size(); }
+  std::size_t playedFrames() const noexcept { return next_frame_; }
   /// Without the farewell.
   std::size_t recordedCommands() const noexcept { return commands_.size(); }
   /// Sent commands so far that differ from the recorded ones in identifier, length or data.

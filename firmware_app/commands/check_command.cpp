@@ -2,7 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "drivers/can/binding_check.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 
 namespace patella::app {
 namespace {
@@ -29,9 +31,17 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   line(true, true, "bus",
        fmt::format("{}: {} messages, {} of them read", config.bus.dbc_path.string(),
                    config.bus.database.messages.size(), decoder.messageCount()));
+  const bool emg_assists = config.tick.gains.emg != 0.0;
+  for (const std::string& remark :
+       can::bindingRemarks(config.bus.database, config.bus.map, {&config.bus.command, 1}, emg_assists)) {
+    line(false, false, "bus map", remark);
+  }
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
-  line(true, true, "weights",
-       config.weights ? config.weights_path.string() : "none: the observer alone estimates");
+  const bool unsealed = config.weights && !config.weights_sealed;
+  line(!unsealed, false, "weights",
+       unsealed         ? unsealedWarning(config.weights_path)
+       : config.weights ? config.weights_path.string()
+                        : "none: the observer alone estimates");
 
   HostNeeds needs;
   needs.priority = config.realtime.priority;

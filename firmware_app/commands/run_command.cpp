@@ -27,6 +27,7 @@
 #include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/loop_faults.hpp"
 #include "sim/rig_thread.hpp"
 #include "sim/simulated_bus.hpp"
@@ -153,7 +154,10 @@ std::string heading(const std::vector<InputFile>& files) {
 
 // What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
 // show (docs/training.md, Linear path).
-void warnOfOwnEffect(const RunConfig& config) {
+void warnOfWeights(const RunConfig& config) {
+  if (config.weights && !config.weights_sealed) {
+    spdlog::warn("{}", unsealedWarning(config.weights_path));
+  }
   if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
       config.tick.compensation == tick::CompensationSource::kNetwork) {
     spdlog::warn(
@@ -191,7 +195,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
   }
-  warnOfOwnEffect(config);
+  warnOfWeights(config);
   const SignalStack signal_stack;
   const SignalStack::InUse in_use(signal_stack);
   const auto clock = makeClock(config);
@@ -251,7 +255,13 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                                              decoder, recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
     summary["replay"] = {{"recorded_commands", backend.replay->recordedCommands()},
-                         {"different_commands", backend.replay->commandMismatches()}};
+                         {"different_commands", backend.replay->commandMismatches()},
+                         {"frames", backend.replay->frames()},
+                         {"frames_played", backend.replay->playedFrames()}};
+    if (backend.replay->playedFrames() < backend.replay->frames()) {
+      spdlog::warn("{}: only {} of {} frames were played; the run ended before the log did",
+                   config.backend.target, backend.replay->playedFrames(), backend.replay->frames());
+    }
     if (backend.replay->cutLine() != 0) {
       summary["replay"]["cut_in_line"] = backend.replay->cutLine();
     }

@@ -1,5 +1,8 @@
 #include "firmware_app/configuration/bus_map_file.hpp"
 
+#include <stdexcept>
+
+#include "drivers/can/binding_check.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/toml_table.hpp"
 #include "firmware_app/files/wording.hpp"
@@ -18,13 +21,17 @@ can::Binding readBinding(const TomlTable& table, const char* name, bool with_mes
   binding.signal = table.string("signal");
   binding.scale = table.number("scale", kAnyNumber, 1.0);
   binding.offset = table.number("offset", kAnyNumber, 0.0);
+  binding.shared = table.boolean("shared", false);
+  binding.scale_reason = table.string("scale_reason", "");
+  binding.origin = table.origin();
   return binding;
 }
 
 can::Protection readProtection(const TomlTable& table) {
   return {.message = table.string("message"),
           .counter_signal = table.string("counter", ""),
-          .crc_signal = table.string("crc", "")};
+          .crc_signal = table.string("crc", ""),
+          .origin = table.origin()};
 }
 
 void readTiming(const TomlTable& table, can::BusMap& map) {
@@ -72,11 +79,17 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   bus.command.protection.message = bus.command.message;
   bus.command.protection.counter_signal = command.string("counter", "");
   bus.command.protection.crc_signal = command.string("crc", "");
+  bus.command.protection.origin = command.origin();
   for (const TomlTable& table : command.tables("output")) {
     bus.command.bindings.push_back(readBinding(table, "name", false));
   }
   document.finish();
   bus.database = can::loadDbc(bus.dbc_path);
+  try {
+    can::checkBindings(bus.database, bus.map, {&bus.command, 1});
+  } catch (const std::invalid_argument& error) {
+    throw FileError(error.what());
+  }
   return bus;
 }
 

@@ -203,7 +203,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.weights_path = *command_line.weights;
   }
   if (!config.weights_path.empty()) {
-    config.weights = loadNetworkWeights(config.weights_path);
+    config.weights = loadNetworkWeights(config.weights_path, &config.weights_sealed);
   }
   readTickConfig(root, config);
   if (command_line.reference) {
@@ -223,9 +223,11 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.rig.faults = config.faults;
   }
 
-  // A log holds its own time: it is played as fast as the machine allows.
+  // A log holds its own time: it is played as fast as the machine allows, and to its end unless the command
+  // line asks for a part of it.
   if (config.backend.kind == BackendKind::kReplay) {
     config.clock = ClockKind::kVirtual;
+    config.duration_s = command_line.duration_s.value_or(0.0);
   }
   if (config.backend.kind == BackendKind::kCan && config.clock == ClockKind::kVirtual) {
     throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +

@@ -76,6 +76,7 @@ struct RunConfig {
   ModelDescription model;
   BusDescription bus;
   std::optional<network::NetworkWeights> weights;
+  bool weights_sealed = false;  ///< a digest guards them against flipped bits
   network::InferenceOptions inference;
   std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
   std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any

@@ -3,13 +3,12 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <sha2.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace patella::app {
@@ -94,36 +93,28 @@ void writeFile(const std::filesystem::path& target, std::string_view text) {
   file.commit();
 }
 
-std::string readFile(const std::filesystem::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) {
-    throw FileError(path.string() + ": cannot be opened" + because(errno));
+std::string readFile(const std::filesystem::path& path, const files::FileKind& kind) {
+  try {
+    return files::readWhole(path, kind);
+  } catch (const std::runtime_error& error) {
+    throw FileError(error.what());
   }
-  std::string text;
-  struct stat status {};
-  if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
-    text.reserve(static_cast<std::size_t>(status.st_size) + 1);
-  }
-  std::array<char, 1 << 16> block{};
-  ssize_t count = 0;
-  while ((count = read(descriptor, block.data(), block.size())) != 0) {
-    if (count > 0) {
-      text.append(block.data(), static_cast<std::size_t>(count));
-    } else if (errno != EINTR) {
-      const int error = errno;
-      close(descriptor);
-      throw FileError(path.string() + ": cannot be read" + because(error));
-    }
-  }
-  close(descriptor);
-  return text;
 }
 
 std::string fileSha256(const std::filesystem::path& path) {
-  const std::string contents = readFile(path);
+  SHA2_CTX context;
+  SHA256Init(&context);
+  try {
+    files::RegularFile file(path);
+    std::array<char, 1 << 16> block{};
+    while (const std::size_t count = file.read(block)) {
+      SHA256Update(&context, reinterpret_cast<const std::uint8_t*>(block.data()), count);
+    }
+  } catch (const std::runtime_error& error) {
+    throw FileError(error.what());
+  }
   std::array<char, SHA256_DIGEST_STRING_LENGTH> digest{};
-  SHA256Data(reinterpret_cast<const std::uint8_t*>(contents.data()), contents.size(), digest.data());
-  return digest.data();
+  return SHA256End(&context, digest.data());
 }
 
 }  // namespace patella::app

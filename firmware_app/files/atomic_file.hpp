@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "drivers/files/regular_file.hpp"
 #include "firmware_app/files/file_error.hpp"
 
 namespace patella::app {
@@ -39,11 +40,13 @@ class AtomicFile {
 /// Writes a whole file, atomically. Throws FileError.
 void writeFile(const std::filesystem::path& target, std::string_view text);
 
-/// Whole contents of a file. Throws FileError with the path and the system's reason.
-std::string readFile(const std::filesystem::path& path);
+/// Whole contents of a regular file. Throws FileError with the path and the system's reason, what is there
+/// instead, or the length where it is more than a file of that kind has.
+std::string readFile(const std::filesystem::path& path,
+                     const files::FileKind& kind = files::kConfigurationFile);
 
 /// SHA-256 of a file as 64 hexadecimal digits, as `sha256sum` prints it: names the exact model, weights and
-/// configuration of a run. Throws FileError.
+/// configuration of a run. The file may have any length. Throws FileError as readFile() does.
 std::string fileSha256(const std::filesystem::path& path);
 
 }  // namespace patella::app

@@ -5,15 +5,19 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <tuple>
 
+#include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
 namespace {
 
+/// Room for some ten thousand columns.
+constexpr std::size_t kLongestLine = 1'000'000;
 constexpr std::size_t kSkipped = std::numeric_limits<std::size_t>::max();
 
 std::string_view trimmed(std::string_view cell) {
@@ -30,32 +34,42 @@ std::string_view trimmed(std::string_view cell) {
   return cell;
 }
 
-/// One pass over the text, line by line and cell by cell.
+using Lines = CsvTable::Lines;
+
+Lines linesOf(std::string_view text) {
+  return [rest = text](std::string_view& line) mutable {
+    if (rest.empty()) {
+      return false;
+    }
+    const auto end = std::min(rest.find('\n'), rest.size());
+    line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    return true;
+  };
+}
+
+/// Line by line and cell by cell.
 class Parser {
  public:
-  Parser(std::string_view text, std::string file, const CsvOptions& options)
-      : rest_(text), file_(std::move(file)), options_(options) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) {
-      rest_.remove_prefix(3);
-    }
-    // Empty lines at the end carry nothing; anywhere else they are rows without cells.
-    while (!rest_.empty() && (rest_.back() == '\n' || rest_.back() == '\r')) {
-      rest_.remove_suffix(1);
-    }
-  }
+  Parser(Lines lines, std::string file, const CsvOptions& options)
+      : lines_(std::move(lines)), file_(std::move(file)), options_(options) {}
 
   bool nextLine() {
-    if (rest_.empty()) {
+    if (!fetched_) {
+      fetch();
+    }
+    if (empty_lines_ == 0 && !fetched_) {
       return false;
     }
     ++line_number_;
-    const auto end = std::min(rest_.find('\n'), rest_.size());
-    line_ = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    if (line_.ends_with('\r')) {
-      line_.remove_suffix(1);
-    }
     line_done_ = false;
+    if (empty_lines_ > 0) {
+      --empty_lines_;
+      line_ = {};
+      return true;
+    }
+    line_ = next_;
+    fetched_ = false;
     return true;
   }
 
@@ -115,7 +129,30 @@ class Parser {
     return {result.ptr, result.ec};
   }
 
-  std::string_view rest_;
+  /// Goes on to the next line that is not empty. Empty lines at the end carry nothing; anywhere else they are
+  /// rows without cells.
+  void fetch() {
+    while (!fetched_ && lines_(next_)) {
+      if (first_ && next_.starts_with("\xEF\xBB\xBF")) {
+        next_.remove_prefix(3);
+      }
+      first_ = false;
+      if (next_.ends_with('\r')) {
+        next_.remove_suffix(1);
+      }
+      fetched_ = !next_.empty();
+      empty_lines_ += fetched_ ? 0 : 1;
+    }
+    if (!fetched_) {
+      empty_lines_ = 0;
+    }
+  }
+
+  Lines lines_;
+  std::string_view next_;
+  bool first_ = true;
+  bool fetched_ = false;
+  std::size_t empty_lines_ = 0;
   std::string_view line_;
   std::string file_;
   const CsvOptions& options_;
@@ -154,11 +191,29 @@ std::vector<std::string> readHeader(Parser& parser) {
 }  // namespace
 
 CsvTable CsvTable::load(const std::filesystem::path& path, const CsvOptions& options) {
-  return parse(readFile(path), path.string(), options);
+  try {
+    files::LineReader reader(path, kLongestLine);
+    std::string text;
+    return read(
+        [&](std::string_view& line) {
+          const bool more = reader.next(text);
+          line = text;
+          return more;
+        },
+        path.string(), options);
+  } catch (const FileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw FileError(error.what());
+  }
 }
 
 CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
-  Parser parser(text, name, options);
+  return read(linesOf(text), name, options);
+}
+
+CsvTable CsvTable::read(const Lines& lines, const std::string& name, const CsvOptions& options) {
+  Parser parser(lines, name, options);
   const std::vector<std::string> header = readHeader(parser);
   for (const std::string& wanted : options.columns) {
     if (std::find(header.begin(), header.end(), wanted) == header.end()) {
@@ -177,10 +232,6 @@ CsvTable CsvTable::parse(std::string_view text, const std::string& name, const C
     }
   }
   table.columns_.resize(table.names_.size());
-  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  for (auto& column : table.columns_) {
-    column.reserve(lines);
-  }
 
   std::string_view cell;
   while (parser.nextLine()) {

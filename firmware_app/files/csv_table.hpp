@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,7 +31,11 @@ class CsvTable {
  public:
   /// Throws FileError: "file:line: column 'q1_rad': value 'abc', expected a number"; also for an empty file,
   /// empty or repeated names, lines with too few or too many cells, and too few rows.
+  /// Reads line by line: a file may have any length, and a line of it a megabyte.
   static CsvTable load(const std::filesystem::path& path, const CsvOptions& options = {});
+  /// The next line without its line feed, valid until the one after it is asked for; false at the end.
+  using Lines = std::function<bool(std::string_view&)>;
+
   /// `name` stands for the file in messages.
   static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
 
@@ -46,6 +51,8 @@ class CsvTable {
   std::optional<std::size_t> firstNotIncreasing(std::string_view name) const;
 
  private:
+  static CsvTable read(const Lines& lines, const std::string& name, const CsvOptions& options);
+
   std::string file_;
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;

@@ -9,6 +9,7 @@
 #include <toml++/toml.h>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/toml_shape.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
@@ -345,8 +346,12 @@ void TomlTable::finish() const {
   }
   std::sort(unread.begin(), unread.end());
   std::string text;
-  for (const auto& [line, message] : unread) {
-    text += (text.empty() ? "" : "\n") + message;
+  constexpr std::size_t kMostTold = 20;
+  for (std::size_t i = 0; i < std::min(unread.size(), kMostTold); ++i) {
+    text += (text.empty() ? "" : "\n") + unread[i].second;
+  }
+  if (unread.size() > kMostTold) {
+    text += "\nand " + std::to_string(unread.size() - kMostTold) + " more";
   }
   throw FileError(text);
 }
@@ -361,11 +366,16 @@ std::string TomlTable::fullName(std::string_view key) const {
   return prefix_ + std::string(key);
 }
 
+std::string TomlTable::origin() const {
+  return state_->file + ":" + std::to_string(line_) + ": key '" + prefix_.substr(0, prefix_.size() - 1) + "'";
+}
+
 TomlDocument TomlDocument::load(const std::filesystem::path& path) {
   return parse(readFile(path), path.string());
 }
 
 TomlDocument TomlDocument::parse(std::string_view text, const std::string& name) {
+  checkTomlShape(text, name);
   auto state = std::make_shared<TomlState>();
   state->file = name;
   try {

@@ -94,6 +94,8 @@ class TomlTable {
   FileError error(std::string_view key, std::string_view problem) const;
   /// Full name of a key as messages show it, tables of an array counted from 1: "effect[2].joint".
   std::string fullName(std::string_view key) const;
+  /// Where the table stands: "file:line: key 'effect[2]'".
+  std::string origin() const;
   /// Line at which the table begins.
   std::uint32_t line() const noexcept { return line_; }
 

@@ -190,6 +190,9 @@ Json summarise(const RunConfig& config, const std::vector<InputFile>& files, con
   out["observer"] = observerName(config.observer.kind);
   out["ticks"] = loop.ticks;
   out["inputs"] = inputs(files);
+  if (config.weights) {
+    out["inputs"]["weights"]["digest"] = config.weights_sealed ? "right" : "none";
+  }
   if (config.backend.kind == BackendKind::kSim) {
     out["seed"] = config.rig.seed;
   }
@@ -250,6 +253,9 @@ std::string summaryText(const Json& s) {
       fmt::format("{} ticks at {} Hz, backend {}, clock {}, observer {}\n", s["ticks"].get<std::uint64_t>(),
                   s["rate_Hz"].get<double>(), s["backend"].get<std::string>(), s["clock"].get<std::string>(),
                   s["observer"].get<std::string>());
+  if (s["inputs"].contains("weights") && s["inputs"]["weights"]["digest"] == "none") {
+    text += "  the weights have no digest: damage to them would go unseen\n";
+  }
   if (s.contains("realtime")) {
     const Json& r = s["realtime"];
     text += fmt::format("  {} priority {}, memory {}, PREEMPT_RT {}, governor {}{}\n",

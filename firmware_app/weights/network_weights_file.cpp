@@ -185,8 +185,17 @@ std::string joined(const Values& values, ToText to_text) {
 
 }  // namespace
 
-network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path) {
+std::string unsealedWarning(const std::filesystem::path& path) {
+  return path.string() +
+         ": no digest: damaged weights cannot be told from good ones; 'patella-train seal FILE' adds one to "
+         "a "
+         "file that is known to be good";
+}
+
+network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path, bool* sealed) {
   Safetensors content = readSafetensors(path);
+  if (sealed != nullptr)
+    *sealed = content.sealed;
   NetworkWeights weights;
   const MetadataReader metadata(path.string(), content.metadata);
   weights.features = metadata.names("features");

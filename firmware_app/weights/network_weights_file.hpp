@@ -11,8 +11,12 @@ namespace patella::app {
 
 /// Throws FileError naming the file and the tensor or metadata key, what was found and what was
 /// expected, when the file is not a sound safetensors file, a tensor is missing, unexpected or of the wrong
-/// shape, or a key is missing or does not parse. What it returns passes network::checkWeights.
-network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path);
+/// shape, or a key is missing or does not parse. What it returns passes network::checkWeights. `sealed` says
+/// whether a digest guards them, see readSafetensors().
+network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path, bool* sealed = nullptr);
+
+/// What to tell a person who loads weights that are not.
+std::string unsealedWarning(const std::filesystem::path& path);
 
 /// Throws FileError when the weights do not pass network::checkWeights or cannot be written; a
 /// file that was there before is then untouched. `remarks` is metadata beside what loading needs, for people

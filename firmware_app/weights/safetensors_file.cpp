@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <set>
 #include <utility>
@@ -22,9 +21,8 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little, "the file's numbers are little-endian");
 
 constexpr std::uint64_t kLengthBytes = 8;
-/// The reference implementation's bound, and one on the whole file: networks of this size take megabytes.
-constexpr std::uint64_t kMaxHeaderBytes = 100'000'000;
-constexpr std::uint64_t kMaxFileBytes = 1'000'000'000;
+/// Some hundred bytes a tensor, and a model card with the losses of some ten thousand epochs.
+constexpr std::uint64_t kMaxHeaderBytes = 8'000'000;
 constexpr const char* kMetadataKey = "__metadata__";
 
 /// Adds the file's name, and the tensor's, to what went wrong.
@@ -70,7 +68,10 @@ class StrictKeys {
   std::vector<std::set<std::string>> open_;
 };
 
-json parseHeader(const Context& context, const std::string& text) {
+json parseHeader(const Context& context, std::string_view text) {
+  // The parser would take it for the end and leave what follows unread.
+  if (text.find('\0') != std::string_view::npos)
+    context.fail("header is not valid JSON: it holds a zero byte");
   json header;
   try {
     header = json::parse(text, StrictKeys(context));
@@ -186,26 +187,42 @@ std::vector<float> numbersOf(const Context& context, const Entry& entry, const c
   return values;
 }
 
-std::string readBytes(const Context& context, std::ifstream& stream, std::uint64_t count) {
-  std::string bytes(count, '\0');
-  if (!stream.read(bytes.data(), static_cast<std::streamsize>(count)))
-    context.fail("cannot be read");
+/// The whole file, which is long enough to have a header.
+std::string readBytes(const std::filesystem::path& path, const files::FileKind& kind) {
+  std::string bytes;
+  try {
+    bytes = files::readWhole(path, kind);
+  } catch (const std::runtime_error& error) {
+    throw FileError(error.what());
+  }
+  if (bytes.size() < kLengthBytes) {
+    Context(path.string())
+        .fail("is " + std::to_string(bytes.size()) + " bytes long, too short for a safetensors header");
+  }
   return bytes;
 }
 
-std::uint64_t fileSize(const Context& context, const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    context.fail(error ? error.message() : "is not a file");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error)
-    context.fail(error.message());
-  if (size < kLengthBytes)
-    context.fail("is " + std::to_string(size) + " bytes long, too short for a safetensors header");
-  if (size > kMaxFileBytes)
-    context.fail("is " + std::to_string(size) + " bytes long, expected at most " +
-                 std::to_string(kMaxFileBytes));
-  return size;
+void checkSeal(const Context& context, Safetensors& content) {
+  const auto find = [&](const char* key) {
+    const auto found = content.metadata.find(key);
+    return found == content.metadata.end() ? nullptr : &found->second;
+  };
+  const std::string* const seal = find(kSealKey);
+  const std::string* const stored = find(kSealDigestKey);
+  if (seal == nullptr && stored == nullptr)
+    return;
+  if (seal == nullptr || stored == nullptr) {
+    context.fail(std::string("metadata '") + (seal == nullptr ? kSealKey : kSealDigestKey) +
+                 "': missing, expected as there is '" + (seal == nullptr ? kSealDigestKey : kSealKey) + "'");
+  }
+  if (*seal != kSealName)
+    context.fail(std::string("metadata '") + kSealKey + "': '" + *seal + "', expected " + kSealName);
+  const std::string computed = contentSha256(content);
+  if (*stored != computed) {
+    context.fail("is damaged: its digest (metadata '" + std::string(kSealDigestKey) + "') is " + *stored +
+                 ", but that of its content is " + computed);
+  }
+  content.sealed = true;
 }
 
 }  // namespace
@@ -217,20 +234,17 @@ std::string shapeText(const std::vector<std::int64_t>& shape) {
   return text + "]";
 }
 
-Safetensors readSafetensors(const std::filesystem::path& path) {
+Safetensors readSafetensors(const std::filesystem::path& path, const files::FileKind& kind) {
   const Context context(path.string());
-  const std::uint64_t size = fileSize(context, path);
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream)
-    context.fail("cannot be opened");
-
+  const std::string bytes = readBytes(path, kind);
+  const std::uint64_t behind_length = bytes.size() - kLengthBytes;
   std::uint64_t header_bytes = 0;
-  std::memcpy(&header_bytes, readBytes(context, stream, kLengthBytes).data(), kLengthBytes);
-  if (header_bytes > kMaxHeaderBytes || header_bytes > size - kLengthBytes)
+  std::memcpy(&header_bytes, bytes.data(), kLengthBytes);
+  if (header_bytes > std::min(kMaxHeaderBytes, behind_length))
     context.fail("header length " + std::to_string(header_bytes) + ", expected at most " +
-                 std::to_string(std::min(kMaxHeaderBytes, size - kLengthBytes)));
-  const json header = parseHeader(context, readBytes(context, stream, header_bytes));
-  const std::uint64_t data_bytes = size - kLengthBytes - header_bytes;
+                 std::to_string(std::min(kMaxHeaderBytes, behind_length)));
+  const json header = parseHeader(context, std::string_view(bytes).substr(kLengthBytes, header_bytes));
+  const std::uint64_t data_bytes = behind_length - header_bytes;
 
   Safetensors content;
   std::vector<Entry> entries;
@@ -242,13 +256,14 @@ Safetensors readSafetensors(const std::filesystem::path& path) {
   }
   checkCoverage(context, entries, data_bytes);
 
-  const std::string data = readBytes(context, stream, data_bytes);
+  const char* const data = bytes.data() + kLengthBytes + header_bytes;
   for (const Entry& entry : entries) {
     const Context of_tensor = context.tensor(entry.name);
     content.tensors[entry.name] = {entry.shape, entry.dtype == "F32"
-                                                    ? numbersOf<float>(of_tensor, entry, data.data())
-                                                    : numbersOf<double>(of_tensor, entry, data.data())};
+                                                    ? numbersOf<float>(of_tensor, entry, data)
+                                                    : numbersOf<double>(of_tensor, entry, data)};
   }
+  checkSeal(context, content);
   return content;
 }
 

@@ -15,8 +15,10 @@ std::string_view bytesOf(const std::vector<float>& values) {
 
 std::string headerText(const std::filesystem::path& path, const Safetensors& content) {
   nlohmann::json header = nlohmann::json::object();
-  if (!content.metadata.empty())
-    header["__metadata__"] = content.metadata;
+  auto metadata = content.metadata;
+  metadata[kSealKey] = kSealName;
+  metadata[kSealDigestKey] = contentSha256(content);
+  header["__metadata__"] = metadata;
   std::size_t begin = 0;
   for (const auto& [name, tensor] : content.tensors) {
     std::size_t elements = 1;

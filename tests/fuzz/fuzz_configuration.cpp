@@ -38,7 +38,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const Folder folder;
   const std::filesystem::path path = folder.path() / "fuzz.toml";
   if (std::FILE* file = std::fopen(path.c_str(), "wb"); file != nullptr) {
-    std::fwrite(data, 1, size, file);
+    const std::string text = fuzz::expanded(fuzz::text(data, size));
+    std::fwrite(text.data(), 1, text.size(), file);
     std::fclose(file);
   }
   try {

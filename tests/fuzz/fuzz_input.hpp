@@ -1,6 +1,7 @@
 // What the targets share.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -16,6 +17,26 @@ namespace patella::fuzz {
 
 inline std::string_view text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
+}
+
+/// What chance would take years to write: byte 1, then which part, then how often as a power of two. Every
+/// other byte stands for itself.
+inline std::string expanded(std::string_view input) {
+  constexpr std::array<std::string_view, 6> kParts = {"[", "{ a = ", ".a", "1,", "\n[a]\n", "\"\"\""};
+  constexpr std::size_t kLongest = 2'000'000;
+  std::string result;
+  for (std::size_t i = 0; i < input.size() && result.size() < kLongest; ++i) {
+    if (input[i] != '\x01' || i + 2 >= input.size()) {
+      result += input[i];
+      continue;
+    }
+    const std::string_view part = kParts[static_cast<unsigned char>(input[i + 1]) % kParts.size()];
+    const std::size_t times = std::size_t{1} << (static_cast<unsigned char>(input[i + 2]) % 18U);
+    for (std::size_t n = 0; n < times && result.size() < kLongest; ++n)
+      result += part;
+    i += 2;
+  }
+  return result;
 }
 
 /// Ends the program where a statement does not hold, so that the input is kept.

@@ -6,7 +6,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace patella;
   try {
-    const app::ModelDescription description = app::parseModel(fuzz::text(data, size), "fuzz.toml");
+    const app::ModelDescription description =
+        app::parseModel(fuzz::expanded(fuzz::text(data, size)), "fuzz.toml");
     model::DynamicsModel model = app::makeModel(description);
     model::EffectInput input;
     for (JointVector* vector : {&input.q, &input.dq, &input.torque_Nm}) {

@@ -14,7 +14,7 @@ seconds=${1:?usage: tests/fuzz/run.sh SECONDS|short|merge [TARGET...]}
 [[ $seconds =~ ^([0-9]+|short|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds, short or merge" >&2; exit 1; }
 shift
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(dbc candump safetensors configuration model tick)
+[ ${#targets[@]} -gt 0 ] || targets=(dbc candump replay safetensors seal configuration bus_map model tick)
 
 probe=$(mktemp -d)
 trap 'rm -rf "$probe"' EXIT
@@ -33,12 +33,13 @@ seeds() {
     dbc) echo drivers/can/*.dbc ;;
     model) echo firmware_app/config/models/*.toml ;;
     configuration) echo firmware_app/config/*.toml ;;
+    bus_map) echo firmware_app/config/can/*.toml ;;
   esac
 }
 # Longest input: a tick takes a tenth of a millisecond and a byte or twelve.
-longest() { [ "$1" = tick ] && echo 1024 || echo 16384; }
+longest() { case $1 in tick) echo 1024 ;; seal) echo 64 ;; *) echo 16384 ;; esac; }
 # Longest input that is kept in the tree.
-kept() { case $1 in tick) echo 512 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
+kept() { case $1 in tick) echo 512 ;; seal) echo 64 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
 # What takes two or three seconds.
 short_runs() { [ "$1" = tick ] && echo 200 || echo 10000; }
 # The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
@@ -74,7 +75,7 @@ for target in "${targets[@]}"; do
   fi
   for seed in $(seeds "$target"); do cp "$seed" "$new/"; done
   dictionary=()
-  if [ "$target" != tick ]; then
+  if [ "$target" != tick ] && [ "$target" != seal ]; then
     words "$target" >build/fuzz/"$target".dict
     dictionary=(-dict=build/fuzz/"$target".dict)
   fi

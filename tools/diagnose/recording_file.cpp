@@ -46,7 +46,7 @@ RawRecording readFrames(const std::filesystem::path& log, const RecordingOptions
 }
 
 RawRecording readTable(const std::filesystem::path& file, const RecordingOptions& options) {
-  const std::string text = app::readFile(file);
+  const std::string text = app::readFile(file, files::kRecordingText);
   const std::string name = file.string();
   if (options.columns) {
     return readMappedColumns(text, name, options.joints, loadColumnMap(*options.columns));

@@ -310,7 +310,7 @@ std::vector<std::string> drawSvg(std::span<const Figure> figures) {
   run(script.str());
   std::vector<std::string> documents;
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    const std::string text = app::readFile(folder.file("figure" + std::to_string(i + 1)));
+    const std::string text = app::readFile(folder.file("figure" + std::to_string(i + 1)), files::kResultFile);
     documents.push_back(text.substr(std::min(text.find("<svg"), text.size())));
   }
   return documents;
@@ -356,7 +356,7 @@ void drawPng(std::span<const Figure> figures, const std::string& title, const st
   }
   script << "unset multiplot\nunset output\n";
   run(script.str());
-  app::writeFile(path, app::readFile(picture));
+  app::writeFile(path, app::readFile(picture, files::kResultFile));
 }
 
 }  // namespace patella::report

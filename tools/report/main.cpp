@@ -9,6 +9,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
+#include "firmware_app/files/json_file.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
 #include "tools/report/panels.hpp"
@@ -19,11 +20,7 @@ nlohmann::json loadSummary(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) {
     return nlohmann::json::object();
   }
-  try {
-    return nlohmann::json::parse(patella::app::readFile(path));
-  } catch (const nlohmann::json::parse_error& error) {
-    throw patella::app::FileError(path.string() + ": " + error.what());
-  }
+  return patella::app::loadJson(path);
 }
 
 }  // namespace

@@ -214,4 +214,14 @@ void score(Arguments& a, std::ostream& out) {
   out << scoreText(scoreOf(weights, sequences, Role::kTest), weights.output);
 }
 
+void seal(const fs::path& weights, std::ostream& out) {
+  const app::Safetensors content = app::readSafetensors(weights);
+  if (content.sealed) {
+    out << fmt::format("{}: has a digest already, and it is right\n", weights.string());
+    return;
+  }
+  app::writeSafetensors(weights, content);
+  out << fmt::format("{}: digest {}\n", weights.string(), app::contentSha256(content));
+}
+
 }  // namespace patella::train

@@ -16,6 +16,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   CLI::App& score_command = *app.add_subcommand("score", "Score a network on recordings it has not seen.");
   declareFit(fit_command, fit_arguments);
   declareScore(score_command, score_arguments);
+  std::filesystem::path to_seal;
+  CLI::App& seal_command = *app.add_subcommand(
+      "seal", "Put a digest into weights from elsewhere, so that the loop can tell when they are damaged.");
+  seal_command.add_option("FILE", to_seal, "safetensors; rewritten in F32")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -24,6 +28,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   try {
     if (fit_command.parsed()) {
       fit(fit_arguments, std::cout);
+    } else if (seal_command.parsed()) {
+      seal(to_seal, std::cout);
     } else {
       score(score_arguments, std::cout);
     }

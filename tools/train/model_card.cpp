@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_app/files/file_error.hpp"
+#include "firmware_app/files/json_file.hpp"
 
 namespace patella::train {
 namespace {
@@ -114,7 +115,8 @@ std::vector<UsedRecording> dataOf(const std::filesystem::path& weights,
   }
   try {
     std::vector<UsedRecording> data;
-    for (const auto& entry : nlohmann::json::parse(found->second)) {
+    for (const auto& entry :
+         app::parseJson(found->second, weights.string() + ": metadata '" + kDataKey + "'")) {
       data.push_back({entry.at("file"), entry.at("sha256"), entry.at("use")});
     }
     return data;

@@ -8,6 +8,7 @@
 #include <torch/version.h>
 
 #include "firmware_app/files/file_error.hpp"
+#include "firmware_app/files/json_file.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
 
 namespace patella::train {
@@ -65,7 +66,7 @@ void saveCheckpoint(const std::filesystem::path& path, const std::string& identi
 }
 
 void loadCheckpoint(const std::filesystem::path& path, const std::string& identity, TrainingState& state) {
-  const app::Safetensors content = app::readSafetensors(path);
+  const app::Safetensors content = app::readSafetensors(path, files::kCheckpoint);
   const auto text = [&](const char* key) -> const std::string& {
     const auto found = content.metadata.find(key);
     if (found == content.metadata.end()) {
@@ -91,7 +92,7 @@ void loadCheckpoint(const std::filesystem::path& path, const std::string& identi
   try {
     state.adam.steps = std::stoll(text(kSteps));
     state.curve.clear();
-    for (const auto& epoch : nlohmann::json::parse(text(kCurve))) {
+    for (const auto& epoch : app::parseJson(text(kCurve), kCurve)) {
       state.curve.push_back({std::strtod(epoch.at(0).get<std::string>().c_str(), nullptr),
                              std::strtod(epoch.at(1).get<std::string>().c_str(), nullptr)});
     }

@@ -26,7 +26,7 @@ class Bench {
 
   /// Replaces the first place where `from` stands in a file.
   void replace(const std::string& name, const std::string& from, const std::string& to) const {
-    std::string text = app::readFile(folder_ / name);
+    std::string text = app::readFile(folder_ / name, files::kRecordingText);
     const auto at = text.find(from);
     REQUIRE(at != std::string::npos);
     write(name, text.replace(at, from.size(), to));
@@ -137,7 +137,8 @@ TEST_CASE("a log of frames with the wrong description") {
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", bench.file("broken.dbc")}, {"broken.dbc:"});
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc},
                       {"run.log: the bus map does not suit a model of one joint", "position_rad.2"});
-  bench.write("model.toml", app::readFile(PATELLA_SOURCE_DIR "/firmware_app/config/models/adult.toml"));
+  bench.write("model.toml", app::readFile(PATELLA_SOURCE_DIR "/firmware_app/config/models/adult.toml",
+                                          files::kRecordingText));
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc}, {"run.log: no complete measurement"});
   bench.write("run.log", "(1700000000.000000) can0 nonsense\n");
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc}, {"run.log:1:"});

@@ -8,8 +8,8 @@ using namespace patella::test;
 TEST_CASE("a DBC that does not describe a bus") {
   const std::string knee = "BO_ 273 Encoder2: 8 Rig";
   expectRefused({
-      {"missing", removed(kDbc), {"patella.dbc: cannot be read"}, {}},
-      {"folder", turnedIntoFolder(kDbc), {"patella.dbc: cannot be read"}, {}},
+      {"missing", removed(kDbc), {"patella.dbc: cannot be opened: No such file"}, {}},
+      {"folder", turnedIntoFolder(kDbc), {"patella.dbc: is a directory, expected a regular file"}, {}},
       {"empty: no message that the map names", written(kDbc, ""), {"patella.dbc", "Encoder1"}, {}},
       {"syntax", replaced(kDbc, knee, "BO_ 273 Encoder2 8 Rig"), {"patella.dbc:{line}:", "':'"}, {}},
       {"signal outside of its message",
@@ -43,11 +43,12 @@ TEST_CASE("a map from signals to inputs that does not fit") {
        {}},
       {"unknown input",
        replaced(kMap, knee, "{ name = \"angle_rad.2\", message = \"Encoder2\", signal = \"Position\" },"),
-       {"can/patella.toml: ", "'angle_rad.2' is unknown", "position_rad"},
+       {"can/patella.toml:{line}: key 'input[3]': input 'angle_rad.2' is unknown", "position_rad"},
        {}},
       {"input bound twice",
        replaced(kMap, knee, knee + knee),
-       {"can/patella.toml: ", "'position_rad.2' is bound twice"},
+       {"can/patella.toml:{line}: key 'input[4]': input 'position_rad.2' is bound twice",
+        "can/patella.toml:{line}: key 'input[3]'"},
        {}},
       {"required input not bound",
        replaced(kMap, knee, ""),
@@ -55,7 +56,7 @@ TEST_CASE("a map from signals to inputs that does not fit") {
        {}},
       {"joint of another leg",
        replaced(kMap, "position_rad.2", "position_rad.3"),
-       {"can/patella.toml: ", "'position_rad.3'", "1 to 2"},
+       {"can/patella.toml:{line}: key 'input[3]': input 'position_rad.3'", "1 to 2"},
        {}},
       {"velocity of one joint only",
        replaced(kMap, "{ name = \"velocity_rad_s.2\", message = \"Encoder2\", signal = \"Velocity\" },", ""),
@@ -64,12 +65,14 @@ TEST_CASE("a map from signals to inputs that does not fit") {
       {"scale of nothing",
        replaced(kMap, knee,
                 "{ name = \"position_rad.2\", message = \"Encoder2\", signal = \"Position\", scale = 0 },"),
-       {"can/patella.toml: ", "position_rad.2", "scale", "0"},
+       {"can/patella.toml:{line}: key 'input[3]': input 'position_rad.2'", "scale is 0, expected 1 or -1"},
        {}},
       {"CRC that is no byte",
        replaced(kMap, "{ message = \"Encoder2\", counter = \"Counter\", crc = \"Crc\" },",
                 "{ message = \"Encoder2\", counter = \"Counter\", crc = \"Position\" },"),
-       {"can/patella.toml: ", "CRC 'Position'", "'Encoder2'", "one whole byte"},
+       {"can/patella.toml:8: key 'input[3]': input 'position_rad.2': signal 'Position' of message 'Encoder2' "
+        "is "
+        "the CRC of its message"},
        {}},
       {"counter that is no counter",
        replaced(kMap, "{ message = \"Emg\", counter = \"Counter\", crc = \"Crc\" },",
@@ -102,16 +105,113 @@ TEST_CASE("a map from signals to inputs that does not fit") {
   });
 }
 
+TEST_CASE("one signal for two quantities, or a quantity in another unit than its signal's") {
+  const std::string knee = "{ name = \"position_rad.2\", message = \"Encoder2\", signal = \"Position\" },";
+  const std::string torque = "{ name = \"torque_Nm.2\", signal = \"Torque2\" },";
+  expectRefused({
+      {"both joints read one encoder",
+       replaced(kMap, knee, "{ name = \"position_rad.2\", message = \"Encoder1\", signal = \"Position\" },"),
+       {"can/patella.toml:{line}: key 'input[3]': input 'position_rad.2': reads signal 'Position' of message "
+        "'Encoder1' as input 'position_rad.1' (",
+        "can/patella.toml:6: key 'input[1]') does; expected a signal of its own"},
+       {}},
+      {"shared position",
+       replaced(
+           kMap, knee,
+           "{ name = \"position_rad.2\", message = \"Encoder2\", signal = \"Position\", shared = true },"),
+       {"can/patella.toml:{line}: key 'input[3]'", "says 'shared', expected that of drive_enabled"},
+       {}},
+      {"both torques in one signal",
+       replaced(kMap, torque, "{ name = \"torque_Nm.2\", signal = \"Torque1\" },"),
+       {"can/patella.toml:{line}: key 'command.output[2]': output 'torque_Nm.2': is written to signal "
+        "'Torque1'",
+        "key 'command.output[1]'"},
+       {}},
+      {"torque on the counter",
+       replaced(kMap, torque, "{ name = \"torque_Nm.2\", signal = \"Counter\" },"),
+       {"can/patella.toml:{line}: key 'command.output[2]'", "'Counter'", "is the counter of its message"},
+       {}},
+      {"feedback from the own command",
+       replaced(kMap, "{ name = \"drive_torque_Nm.2\", message = \"DriveStatus\", signal = \"Torque2\" },",
+                "{ name = \"drive_torque_Nm.2\", message = \"TorqueCommand\", signal = \"Torque2\" },"),
+       {"can/patella.toml:{line}: key 'input[6]'", "is the command that the loop sends"},
+       {}},
+      {"two protections of one message",
+       replaced(kMap, "{ message = \"Emg\", counter = \"Counter\", crc = \"Crc\" },",
+                "{ message = \"Encoder1\", crc = \"Crc\" },"),
+       {"can/patella.toml:{line}: key 'protection[4]': message 'Encoder1' is protected twice (",
+        "key 'protection[1]')"},
+       {}},
+      {"degrees for radians",
+       replaced(kDbc, "Encoder1: 8 Rig\n SG_ Position : 0|24@1- (1E-006,0) [-8.388608|8.388607] \"rad\"",
+                "Encoder1: 8 Rig\n SG_ Position : 0|24@1- (1E-006,0) [-8.388608|8.388607] \"deg\""),
+       {"can/patella.toml:6: key 'input[1]': input 'position_rad.1'", "is in 'deg' by the DBC",
+        "expected 0.0174533 or -0.0174533 to have rad; or 'scale_reason'"},
+       {}},
+  });
+}
+
+TEST_CASE("check tells of messages without protection and of drives that do not report") {
+  Workshop workshop;
+  workshop.replace(kMap, "  { message = \"Encoder2\", counter = \"Counter\", crc = \"Crc\" },\n", "");
+  workshop.replace(kMap, "  { name = \"drive_fault\", message = \"DriveStatus\", signal = \"Fault\" },\n",
+                   "");
+  const Outcome check = workshop.patella({"check", "--config", workshop.file(kConfig).string()});
+  CHECK(check.exit_status == 0);
+  INFO(check.output);
+  CHECK(
+      check.output.find("advice   bus map                 message 'Encoder2' has neither counter nor CRC") !=
+      std::string::npos);
+  CHECK(check.output.find("no signal is bound to drive_fault") != std::string::npos);
+  const Workshop shipped;
+  CHECK(shipped.patella({"check", "--config", shipped.file(kConfig).string()}).output.find("bus map") ==
+        std::string::npos);
+}
+
+TEST_CASE(
+    "a log is played to its end, whatever the configuration's duration; of a part that was asked for is "
+    "told") {
+  Workshop workshop;
+  std::string log;
+  for (int i = 0; i < 30; ++i)  // 15 s, and the configuration says 12
+    log += "(10000000" + std::to_string(10 + i / 2) + (i % 2 == 0 ? ".0" : ".5") +
+           "00000) can0 110#0000000000000000\n";
+  workshop.write("run.log", log);
+  const std::vector<std::string> replay = {"run",
+                                           "--config",
+                                           workshop.file(kConfig).string(),
+                                           "--backend",
+                                           "replay:" + workshop.file("run.log").string(),
+                                           "--out",
+                                           workshop.output().string()};
+  const Outcome whole = workshop.patella(replay);
+  INFO(whole.output << whole.errors);
+  CHECK(whole.exit_status == 0);
+  CHECK(workshop.read("out/summary.json").find("\"frames_played\": 30") != std::string::npos);
+  CHECK(whole.output.find("frames were played") == std::string::npos);
+  std::filesystem::remove_all(workshop.output());
+  std::vector<std::string> part = replay;
+  part.insert(part.end(), {"--duration", "1"});
+  const Outcome some = workshop.patella(part);
+  CHECK(some.exit_status == 0);
+  CHECK(some.output.find("run.log: only 2 of 30 frames were played; the run ended before the log did") !=
+        std::string::npos);
+}
+
 TEST_CASE("a log that cannot be replayed") {
   const std::vector<std::string> replay = {"--backend", "replay:{dir}run.log"};
   const std::string line = "(1000000000.000000) can0 110#0000000000000000\n";
   expectRunRefused({
-      {"missing", none(), {"run.log: cannot be read"}, replay},
-      {"folder", turnedIntoFolder("run.log"), {"run.log: "}, replay},
+      {"missing", none(), {"run.log: cannot be opened: No such file"}, replay},
+      {"folder", turnedIntoFolder("run.log"), {"run.log: is a directory, expected a regular file"}, replay},
       {"empty", written("run.log", ""), {"run.log: holds no frame"}, replay},
       {"garbage in line 3",
        written("run.log", line + line + "hello world\n" + line),
        {"run.log:3: ", "'hello'", "expected"},
+       replay},
+      {"a stamp of 1970 before all others",
+       written("run.log", "(0000000000.000000) can0 110#0000000000000000\n" + line + line),
+       {"run.log:2: the stamps jump from 0.000000 to 1000000000.000000, expected at most 60 s forward"},
        replay},
       {"data of odd digits",
        written("run.log", line + "(1000000000.001000) can0 110#123\n"),

@@ -36,7 +36,59 @@ TEST_CASE("a configuration that is no TOML, or not there") {
        {"adult.toml:1:"},
        {}},
       {"missing", removed(kConfig), {"adult.toml: cannot be opened: No such file"}, {}},
-      {"folder", turnedIntoFolder(kConfig), {"adult.toml: cannot be read: Is a directory"}, {}},
+      {"folder", turnedIntoFolder(kConfig), {"adult.toml: is a directory, expected a regular file"}, {}},
+  });
+}
+
+TEST_CASE("files that are no files, or have no end, are refused at once and by name") {
+  const std::string deep(100'000, '[');
+  std::string dotted = "a";
+  for (int i = 0; i < 100'000; ++i)
+    dotted += ".a";
+  std::string items;
+  for (int i = 0; i < 400'000; ++i)
+    items += "1,";
+  expectRefused({
+      {"zeroes",
+       linkedTo(kConfig, "/dev/zero"),
+       {"adult.toml: is a character device, expected a regular"},
+       {}},
+      {"chance",
+       linkedTo(kModel, "/dev/urandom"),
+       {"adult.toml: is a character device, expected a regular"},
+       {}},
+      {"pipe", turnedIntoPipe(kMap), {"patella.toml: is a pipe, expected a regular file"}, {}},
+      {"zeroes for a DBC", linkedTo(kDbc, "/dev/zero"), {"patella.dbc: is a character device"}, {}},
+      {"megabytes",
+       written(kConfig, std::string(1'000'001, '\n')),
+       {"adult.toml: is 1000001 bytes long, expected at most 1000000 of a configuration"},
+       {}},
+      {"nested arrays",
+       written(kConfig, "x = " + deep),
+       {"adult.toml:1: more than 16 brackets within brackets, expected at most 16"},
+       {}},
+      {"dotted key of a model",
+       written(kModel, dotted + " = 1"),
+       {"models/adult.toml:1: more than 16 parts of a dotted key, expected at most 16"},
+       {}},
+      {"elements",
+       written(kConfig, "x = [" + items + "]"),
+       {"adult.toml:1: more than 20000 keys and elements, expected at most 20000"},
+       {}},
+      {"weights that are a device",
+       none(),
+       {"/dev/zero: is a character device, expected a regular file"},
+       {"--weights", "/dev/zero"}},
+  });
+  expectRunRefused({
+      {"a log that is a device",
+       none(),
+       {"/dev/zero: is a character device, expected a regular file"},
+       {"--backend", "replay:/dev/zero"}},
+      {"a log of one line",
+       written("run.log", std::string(5'000'000, '(')),
+       {"run.log:1: the line is too long, expected at most 1024 bytes"},
+       {"--backend", "replay:{dir}run.log"}},
   });
 }
 

@@ -8,7 +8,10 @@ using namespace patella::test;
 TEST_CASE("a model that cannot be read") {
   expectRefused({
       {"missing", removed(kModel), {"models/adult.toml: cannot be opened: No such file"}, {}},
-      {"folder", turnedIntoFolder(kModel), {"models/adult.toml: cannot be read: Is a directory"}, {}},
+      {"folder",
+       turnedIntoFolder(kModel),
+       {"models/adult.toml: is a directory, expected a regular file"},
+       {}},
       {"empty", written(kModel, ""), {"models/adult.toml:1:", "'mechanism' is missing"}, {}},
       {"named on the command line and missing",
        none(),

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -90,6 +91,8 @@ Workshop::Workshop() {
           ("patella-malformed-" + std::to_string(getpid()) + "-" + std::to_string(serial++));
   errors_ = root_;
   errors_ += ".stderr";
+  output_ = root_;
+  output_ += ".stdout";
   for (const char* folder : {"firmware_app/config", "drivers/can"}) {
     fs::create_directories(root_ / folder);
   }
@@ -102,6 +105,7 @@ Workshop::~Workshop() {
   std::error_code ignored;
   fs::remove_all(root_, ignored);
   fs::remove(errors_, ignored);
+  fs::remove(output_, ignored);
 }
 
 fs::path Workshop::file(std::string_view name) const {
@@ -146,7 +150,8 @@ Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                    0600);
   pid_t child = 0;
@@ -162,6 +167,7 @@ Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
   } else {
     outcome.exit_status = WEXITSTATUS(status);
   }
+  outcome.output = readAll(output_);
   outcome.errors = readAll(errors_);
   return outcome;
 }
@@ -182,6 +188,20 @@ Damage turnedIntoFolder(std::string name) {
   return [=](Workshop& workshop) {
     fs::remove(workshop.file(name));
     fs::create_directory(workshop.file(name));
+  };
+}
+
+Damage linkedTo(std::string name, std::string target) {
+  return [=](Workshop& workshop) {
+    fs::remove(workshop.file(name));
+    fs::create_symlink(target, workshop.file(name));
+  };
+}
+
+Damage turnedIntoPipe(std::string name) {
+  return [=](Workshop& workshop) {
+    fs::remove(workshop.file(name));
+    REQUIRE(mkfifo(workshop.file(name).c_str(), 0600) == 0);
   };
 }
 

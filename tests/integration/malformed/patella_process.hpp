@@ -15,6 +15,7 @@ namespace patella::test {
 struct Outcome {
   int exit_status = -1;  ///< −1 when a signal ended it
   int signal = 0;
+  std::string output;  ///< standard output
   std::string errors;  ///< standard error
 };
 
@@ -43,6 +44,7 @@ class Workshop {
 
  private:
   std::filesystem::path root_;
+  std::filesystem::path output_;
   std::filesystem::path errors_;
   std::size_t line_ = 0;
 };
@@ -54,6 +56,9 @@ Damage replaced(std::string name, std::string from, std::string to);
 Damage written(std::string name, std::string bytes);
 Damage removed(std::string name);
 Damage turnedIntoFolder(std::string name);
+/// The file's name leads to something else: a device, another file.
+Damage linkedTo(std::string name, std::string target);
+Damage turnedIntoPipe(std::string name);
 Damage none();
 
 struct Case {

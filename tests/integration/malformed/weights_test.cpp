@@ -84,12 +84,17 @@ TEST_CASE("the tiny network is sound, so that every refusal below is owed to its
        workshop.output().string(), "--weights", workshop.file(kWeights).string()});
   INFO(outcome.errors);
   CHECK(outcome.exit_status == 0);
+  CHECK(outcome.errors.empty());
+  CHECK(workshop.read("out/summary.json").find("\"digest\": \"right\"") != std::string::npos);
 }
 
 TEST_CASE("weights that are no safetensors file") {
   expectRefused({
       {"missing", none(), {"tiny.safetensors: "}, kUseThem},
-      {"folder", turnedIntoFolder(kWeights), {"tiny.safetensors: is not a file"}, kUseThem},
+      {"folder",
+       turnedIntoFolder(kWeights),
+       {"tiny.safetensors: is a directory, expected a regular file"},
+       kUseThem},
       {"empty", written(kWeights, ""), {"tiny.safetensors: is 0 bytes long"}, kUseThem},
       {"truncated",
        bytesChanged([](std::string& bytes) { bytes.resize(bytes.size() - 10); }),
@@ -107,11 +112,40 @@ TEST_CASE("weights that are no safetensors file") {
        bytesChanged([](std::string& bytes) { setHeaderLength(bytes, 0); }),
        {"tiny.safetensors: header is not valid JSON"},
        kUseThem},
+      {"one bit flipped",
+       bytesChanged([](std::string& bytes) { bytes.back() = static_cast<char>(bytes.back() ^ 1); }),
+       {"tiny.safetensors: is damaged: its digest (metadata 'seal_sha256') is ", "that of its content is"},
+       kUseThem},
       {"bytes after the last tensor",
        bytesChanged([](std::string& bytes) { bytes += "surplus!"; }),
        {"tiny.safetensors: the tensors cover"},
        kUseThem},
   });
+}
+
+TEST_CASE("weights without a digest are used, and check, run and summary say what that means") {
+  Workshop workshop;
+  save(workshop, tinyNetwork({"q1_rad", "q2_rad"}, 2));
+  std::string bytes = workshop.read(kWeights);
+  for (std::size_t at = bytes.find("\"seal"); at != std::string::npos; at = bytes.find("\"seal"))
+    bytes[at + 1] = 'x';
+  workshop.write(kWeights, bytes);
+  const std::vector<std::string> common = {"--config", workshop.file(kConfig).string(), "--weights",
+                                           workshop.file(kWeights).string()};
+  std::vector<std::string> check = {"check"};
+  check.insert(check.end(), common.begin(), common.end());
+  const Outcome checked = workshop.patella(check);
+  CHECK(checked.exit_status == 0);
+  CHECK(checked.output.find("tiny.safetensors: no digest: damaged weights cannot be told from good ones") !=
+        std::string::npos);
+  std::vector<std::string> run = {
+      "run", "--clock", "virtual", "--duration", "0.1", "--out", workshop.output().string()};
+  run.insert(run.end(), common.begin(), common.end());
+  const Outcome ran = workshop.patella(run);
+  CHECK(ran.exit_status == 0);
+  CHECK(ran.output.find("tiny.safetensors: no digest") != std::string::npos);
+  CHECK(ran.output.find("the weights have no digest") != std::string::npos);
+  CHECK(workshop.read("out/summary.json").find("\"digest\": \"none\"") != std::string::npos);
 }
 
 TEST_CASE("weights of another network") {

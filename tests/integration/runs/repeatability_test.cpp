@@ -17,12 +17,12 @@ namespace {
 const std::atomic<bool> kNeverStop{false};
 
 nlohmann::json summaryOf(const std::filesystem::path& folder) {
-  return nlohmann::json::parse(app::readFile(folder / "summary.json"));
+  return nlohmann::json::parse(app::readFile(folder / "summary.json", files::kRecordingText));
 }
 
 // Without the page faults of the loop's thread: a sanitizer has memory of its own, which faults now and then.
 std::string comparable(const std::filesystem::path& file) {
-  std::string text = app::readFile(file);
+  std::string text = app::readFile(file, files::kRecordingText);
   if (file.filename() == "summary.json") {
     auto summary = nlohmann::json::parse(text);
     summary["loop_thread"].erase("minor_page_faults");
@@ -53,8 +53,8 @@ TEST_CASE("another seed is another run") {
   CHECK(app::runLoop(config, folder.path() / "a", kNeverStop) == app::RunStatus::kOk);
   config.rig.seed += 1;
   CHECK(app::runLoop(config, folder.path() / "b", kNeverStop) == app::RunStatus::kOk);
-  CHECK(app::readFile(folder.path() / "a" / "frames.log") !=
-        app::readFile(folder.path() / "b" / "frames.log"));
+  CHECK(app::readFile(folder.path() / "a" / "frames.log", files::kRecordingText) !=
+        app::readFile(folder.path() / "b" / "frames.log", files::kRecordingText));
 }
 
 TEST_CASE("a log played back gives the same estimates and commands to the last bit") {
@@ -97,8 +97,8 @@ TEST_CASE("a run does not overwrite a recording") {
   const test::TemporaryFolder folder;
   const app::RunConfig config = test::demonstration(0.1);
   CHECK(app::runLoop(config, folder.path() / "run", kNeverStop) == app::RunStatus::kOk);
-  const std::string before = app::readFile(folder.path() / "run" / "ticks.csv");
+  const std::string before = app::readFile(folder.path() / "run" / "ticks.csv", files::kRecordingText);
   CHECK_THROWS_WITH_AS(app::runLoop(config, folder.path() / "run", kNeverStop),
                        doctest::Contains("frames.log"), std::runtime_error);
-  CHECK(app::readFile(folder.path() / "run" / "ticks.csv") == before);
+  CHECK(app::readFile(folder.path() / "run" / "ticks.csv", files::kRecordingText) == before);
 }

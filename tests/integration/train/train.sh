@@ -28,7 +28,7 @@ wait $pid 2>/dev/null || true
 cmp "$folder/whole.safetensors" "$folder/killed.safetensors" || fail "resumed after kill -9, the weights differ"
 [ ! -e "$folder/killed.safetensors.checkpoint" ] || fail "the checkpoint is left behind"
 [ -s "$folder/whole.png" ] || fail "no picture of the learning curves"
-grep -q '"sha256"' <(head -c 8000 "$folder/whole.safetensors" | tr -d '\\') || fail "the model card lacks its data"
+grep -q '"sha256":"' <(head -c 8000 "$folder/whole.safetensors" | tr -d '\\') || fail "the model card lacks its data"
 
 "$train" score --config "$config" --weights "$folder/whole.safetensors" --data "$folder/run3" >"$folder/score.txt"
 grep -q 'joint 2 mean absolute' "$folder/score.txt" || fail "no score on a recording that was not trained on"
@@ -48,6 +48,13 @@ sed -e 's#"sampler"$#"network"#' -e "s#= \"\(models\|can\)/#= \"$(realpath "$(di
   --out "$folder/compensating" >"$folder/compensating.txt" 2>&1 || fail "$(cat "$folder/compensating.txt")"
 grep -q 'whole.safetensors: a network with a linear path compensates' "$folder/compensating.txt" ||
   fail "no warning where a network compensates that never saw one do so: $(cat "$folder/compensating.txt")"
+# Other keys in place of the seal's make weights from elsewhere of them.
+sed 's/"seal/"deal/g' "$folder/whole.safetensors" >"$folder/foreign.safetensors"
+use() { "$patella" run --config "$config" --clock virtual --duration 0.1 --weights "$folder/foreign.safetensors" --out "$folder/use$1" 2>&1; }
+use 1 | grep -q 'foreign.safetensors: no digest: damaged weights cannot be told' || fail "no warning of weights without a digest"
+"$train" seal "$folder/foreign.safetensors" | grep -qE 'digest [0-9a-f]{64}$' || fail "seal tells no digest"
+use 2 | grep -q 'no digest' && fail "warned of weights that seal was given"
+"$train" seal "$folder/foreign.safetensors" | grep -q 'has a digest already' || fail "seal does not see its own digest"
 lags() {
   rm -f "$folder/lags.safetensors"
   "$train" fit --config "$config" --data "$folder"/run{1,2} --out "$folder/lags.safetensors" --split recording \

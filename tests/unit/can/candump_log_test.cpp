@@ -157,6 +157,7 @@ TEST_CASE("a file is read line by line, with or without a last line feed, and er
   CHECK_THROWS_WITH_AS(
       bad_reader.next(entry),
       (bad.path().string() + ":2: found '123', expected a frame such as 202#9019F500").c_str(), LogError);
-  CHECK_THROWS_WITH_AS(CandumpReader("/nonexistent.log"), "/nonexistent.log: cannot be read", LogError);
+  CHECK_THROWS_WITH_AS(CandumpReader("/nonexistent.log"),
+                       "/nonexistent.log: cannot be opened: No such file or directory", LogError);
   CHECK_THROWS_AS(CandumpReader("/"), LogError);
 }

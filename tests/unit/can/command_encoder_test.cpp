@@ -26,7 +26,8 @@ Command makeCommand(double hip_Nm, double knee_Nm, bool enable) {
 TEST_CASE("the drive end reads the torques that were commanded") {
   const Database database = test::rigDatabase();
   CommandMap map = test::commandMap();
-  map.bindings[1].scale = -0.5;  // gear between the drive's torque and the joint's, and its direction
+  map.bindings[1].scale = -0.5;
+  map.bindings[1].scale_reason = "gear between the drive's torque and the joint's, and its direction";
   CommandEncoder encoder(database, map, 2);
   MessageDecoder drive(database.message("TorqueCommand"), test::protectionOf("TorqueCommand"));
   const std::size_t torque1 = drive.slot("Torque1");

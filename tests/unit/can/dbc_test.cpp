@@ -1,5 +1,6 @@
 #include "drivers/can/dbc.hpp"
 
+#include <chrono>
 #include <stdexcept>
 #include <string>
 
@@ -155,6 +156,41 @@ TEST_CASE("odd but legal text is read") {
 }
 
 TEST_CASE("a file that cannot be read is named") {
-  CHECK_THROWS_WITH_AS(loadDbc("/nonexistent/bus.dbc"), "/nonexistent/bus.dbc: cannot be read", DbcError);
+  CHECK_THROWS_WITH_AS(loadDbc("/nonexistent/bus.dbc"),
+                       "/nonexistent/bus.dbc: cannot be opened: No such file or directory", DbcError);
   CHECK_THROWS_AS(loadDbc("/"), DbcError);
+}
+
+TEST_CASE(
+    "descriptions that would take hours to compare are refused, and the largest that are read are not slow") {
+  const auto multiplexed = [](int id, int signals) {
+    std::string text = "BO_ " + std::to_string(id) + " M" + std::to_string(id) +
+                       ": 8 N\n SG_ Which M : 0|16@1+ (1,0) [0|0] \"\" N\n";
+    for (int i = 1; i < signals; ++i)
+      text += " SG_ S" + std::to_string(i) + " m" + std::to_string(i) + " : 16|8@1+ (1,0) [0|0] \"\" N\n";
+    return text;
+  };
+  std::string large;
+  for (int id = 0; id < 20; ++id)
+    large += multiplexed(id, 1024);
+  const auto start = std::chrono::steady_clock::now();
+  CHECK(parseDbc(large, "x.dbc").messages.size() == 20);
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));  // sanitizers take ten times
+  CHECK(errorOf(multiplexed(1, 1025)).find("more than 1024 signals of a message, expected at most 1024") !=
+        std::string::npos);
+
+  std::string many;
+  for (int id = 0; id <= 20'000; ++id)
+    many += "BO_ " + std::to_string(2147483648U + static_cast<unsigned>(id)) + " M" + std::to_string(id) +
+            ": 8 N\n";
+  CHECK(errorOf(many).find("more than 20000 messages, expected at most 20000") != std::string::npos);
+
+  std::string cascade = "BO_ 1 M: 64 N\n SG_ S0 M : 0|8@1+ (1,0) [0|0] \"\" N\n";
+  std::string selected;
+  for (int i = 1; i <= 9; ++i) {
+    cascade +=
+        " SG_ S" + std::to_string(i) + " m0M : " + std::to_string(8 * i) + "|8@1+ (1,0) [0|0] \"\" N\n";
+    selected += "SG_MUL_VAL_ 1 S" + std::to_string(i) + " S" + std::to_string(i - 1) + " 0-0;\n";
+  }
+  CHECK(errorOf(cascade + selected).find("more than 8 multiplexors select signal 'S9'") != std::string::npos);
 }

@@ -359,7 +359,10 @@ TEST_CASE("what cannot be bound is named together with what exists") {
   CHECK(why(map).find("'velocity_rad_s' is bound for some joints and not for others") != std::string::npos);
   map = test::rigMap();
   map.bindings.push_back(map.bindings[0]);
-  CHECK(why(map) == "input 'position_rad.1' is bound twice");
+  CHECK(why(map) ==
+        "input 'position_rad.1' is bound twice, to signal 'Position' of message 'Encoder1' already; expected "
+        "one "
+        "signal");
   map = test::rigMap();
   map.protections[0].message = "Encoder9";
   CHECK(why(map).find("no message 'Encoder9'") != std::string::npos);

@@ -168,3 +168,43 @@ TEST_CASE("the whole log is checked before the first frame is given") {
   CHECK_THROWS_WITH_AS(ReplayBus(empty.path()), (empty.path().string() + ": holds no frame").c_str(),
                        LogError);
 }
+
+TEST_CASE("a log that is played by its stamps is refused where they jump, and a loop's own is not") {
+  const std::string before = "(0000000001.000000) can0 110#01\n";
+  const std::string after = "(1604665770.960915) can0 110#02\n(1604665770.961915) can0 110#03\n";
+  const auto refusal = [](const std::string& text, const ReplayOptions& options = {}) -> std::string {
+    const test::TemporaryFile log(text);
+    try {
+      ReplayBus(log.path(), options);
+    } catch (const LogError& error) {
+      return std::string(error.what()).substr(log.path().string().size());
+    }
+    return "accepted";
+  };
+  CHECK(
+      refusal(before + after) ==
+      ":2: the stamps jump from 1.000000 to 1604665770.960915, expected at most 60 s forward and 1 s back in "
+      "a log that is played by its stamps; cut it there, or mend them");
+  CHECK(refusal(after + before).starts_with(":3: the stamps jump from 1604665770.961915 to 1.000000"));
+  const auto at = [](const char* stamp) { return "(" + std::string(stamp) + ") can0 110#01\n"; };
+  CHECK(refusal(at("0000000100.000000") + at("0000000160.000000")) == "accepted");
+  CHECK(refusal(at("0000000100.000000") + at("0000000160.000001")) != "accepted");
+  CHECK(refusal(at("0000000100.000000") + at("0000000099.000000")) == "accepted");
+  CHECK(refusal(at("0000000100.000000") + at("0000000098.999999")) != "accepted");
+  // Small steps back add up: each is held against the newest stamp.
+  CHECK(refusal(at("0000000100.000000") + at("0000000099.400000") + at("0000000098.800000")) != "accepted");
+  CHECK(refusal(before + after + "(1604665770.961916) can0 080#AA00\n", ownOptions()) == "accepted");
+}
+
+TEST_CASE("frames that were played are counted, down to the last") {
+  const test::TemporaryFile log(kOwnLog);
+  ReplayBus bus(log.path(), ownOptions());
+  std::array<Frame, 8> frames;
+  CHECK(bus.frames() == 4);
+  CHECK(bus.playedFrames() == 0);
+  bus.receive(frames, 1000);
+  CHECK(bus.playedFrames() == 2);
+  for (std::int64_t now = 2000; !bus.exhausted(); now += 1000)
+    bus.receive(frames, now);
+  CHECK(bus.playedFrames() == bus.frames());
+}

@@ -59,7 +59,7 @@ TEST_CASE("columns become protected frames that decode to the physical values") 
   CHECK(report.instants == 3);
   CHECK(report.frames == 6);
 
-  const std::string text = app::readFile(conversion.folder / "run.log");
+  const std::string text = app::readFile(conversion.folder / "run.log", files::kRecordingText);
   CHECK(text.starts_with("(1700000000.000000) can1 111#"));
   CHECK(text.find("\n(1700000000.003000) can1 111#") != std::string::npos);
 

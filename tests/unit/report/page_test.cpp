@@ -101,7 +101,7 @@ TEST_CASE("a table escapes what is in it") {
 TEST_CASE("a picture is a PNG, and appears whole or not at all") {
   const test::ScratchFolder folder;
   drawPng(someFigures(), "Run 7", folder / "run.png");
-  CHECK(app::readFile(folder / "run.png").starts_with("\x89PNG"));
+  CHECK(app::readFile(folder / "run.png", files::kRecordingText).starts_with("\x89PNG"));
   CHECK_THROWS_AS(drawPng(someFigures(), "Run 7", folder / "absent/run.png"), app::FileError);
   CHECK(folder.entries() == 1);
 }

@@ -171,7 +171,8 @@ TEST_CASE("what is not a readable file is refused by name") {
                        std::runtime_error);
   std::filesystem::create_directory(folder.file("folder"));
   CHECK_THROWS_WITH_AS(readSafetensors(folder.file("folder")),
-                       (folder.file("folder").string() + ": is not a file").c_str(), std::runtime_error);
+                       (folder.file("folder").string() + ": is a directory, expected a regular file").c_str(),
+                       std::runtime_error);
 }
 
 TEST_CASE("every truncation of a sound file is refused") {
@@ -198,13 +199,72 @@ TEST_CASE("what is written reads back the same, with aligned data") {
   std::memcpy(&header_length, get(path).data(), sizeof(header_length));
   CHECK(header_length % 8 == 0);
   const Safetensors read = readSafetensors(path);
-  CHECK(read.metadata == content.metadata);
+  CHECK(read.sealed);
+  CHECK(read.metadata.at(kSealDigestKey) == contentSha256(content));
+  for (const auto& [key, value] : content.metadata)
+    CHECK(read.metadata.at(key) == value);
+  CHECK(read.metadata.size() == content.metadata.size() + 2);
   REQUIRE(read.tensors.size() == 2);
   for (const auto& [name, tensor] : content.tensors) {
     CHECK(read.tensors.at(name).shape == tensor.shape);
     CHECK(bytes(read.tensors.at(name).values) == bytes(tensor.values));
   }
   CHECK(folder.contents() == std::vector<std::string>{"net.safetensors"});
+}
+
+TEST_CASE("the digest is the documented one") {
+  // From Python: hashlib.sha256(b"rate\0" b"1\0" b"b\0" b"2\0" + struct.pack("<2f", 1.5, -2)).hexdigest()
+  const Safetensors content = {.tensors = {{"b", {{2}, {1.5F, -2.0F}}}}, .metadata = {{"rate", "1"}}};
+  CHECK(contentSha256(content) == "8b593d9c369b6009a54c6271a0fb86af221f6f0b39ba3bbcbecaaee1f2d2fb3a");
+}
+
+TEST_CASE("no bit of a sealed file can be flipped unnoticed") {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.file("net.safetensors");
+  writeSafetensors(path, {.tensors = {{"b", {{2, 2}, {1.0F, -0.5F, 0.25F, 8.0F}}}, {"a", {{1}, {5.0F}}}},
+                          .metadata = {{"scale", "1.25,2"}}});
+  const std::string whole = get(path);
+  REQUIRE(refusal(whole) == "accepted");
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    CAPTURE(bit);
+    std::string damaged = whole;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    CHECK(refusal(damaged) != "accepted");
+  }
+  std::string damaged = whole;
+  damaged.back() = static_cast<char>(damaged.back() ^ 1);
+  const std::string said = refusal(damaged);
+  CHECK(said.starts_with("file: is damaged: its digest (metadata 'seal_sha256') is "));
+  CHECK(said.find(contentSha256(readSafetensors(path))) != std::string::npos);
+}
+
+TEST_CASE("a file from elsewhere has no digest, is read, and is known for it") {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.file("net.safetensors");
+  put(path, fileOf(R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", kTwoFloats));
+  CHECK_FALSE(readSafetensors(path).sealed);
+  const auto with = [](const std::string& metadata) {
+    return refusal(
+        fileOf("{\"__metadata__\":" + metadata + R"(,"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})",
+               kTwoFloats));
+  };
+  CHECK(with(R"({"seal":"sha256"})") == "file: metadata 'seal_sha256': missing, expected as there is 'seal'");
+  CHECK(with(R"({"seal_sha256":"00"})") ==
+        "file: metadata 'seal': missing, expected as there is 'seal_sha256'");
+  CHECK(with(R"({"seal":"md5","seal_sha256":"00"})") == "file: metadata 'seal': 'md5', expected sha256");
+}
+
+TEST_CASE("what is larger than weights are, or no file, is refused") {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.file("net.safetensors");
+  put(path, "");
+  std::filesystem::resize_file(path, 64'000'001);
+  CHECK_THROWS_WITH_AS(
+      readSafetensors(path),
+      (path.string() + ": is 64000001 bytes long, expected at most 64000000 of weights").c_str(),
+      std::runtime_error);
+  CHECK_THROWS_WITH_AS(readSafetensors("/dev/zero"),
+                       "/dev/zero: is a character device, expected a regular file", std::runtime_error);
 }
 
 TEST_CASE("a failed write leaves the old file and nothing else") {

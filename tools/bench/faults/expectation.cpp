@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/safety/encoder_monitor.hpp"
 #include "core/safety/leaky_score.hpp"
@@ -106,9 +107,14 @@ double framePeriod_s(FrameChannel channel) {
 std::optional<double> silence(const Sight& sight, double timeout_s, double period_s, double longest_s) {
   double age_s = period_s;
   double since_s = 0.0;
-  const auto found = sight.walk(kSample_s, [&](double, bool there, bool) {
-    since_s = there ? since_s + kSample_s : 0.0;
-    age_s = there && since_s <= longest_s ? age_s + kSample_s : period_s;
+  double burst_s = -1.0;
+  const auto found = sight.walk(kSample_s, [&](double t, bool there, bool) {
+    // What is held back comes at the end of each burst, however soon the next one begins.
+    const bool held = sight.event().kind == FaultKind::kRigStall || sight.event().kind == FaultKind::kDelayedFrames;
+    const bool next = std::exchange(burst_s, sight.event().burstStart(t)) != sight.event().burstStart(t);
+    const bool released = held && next;
+    since_s = there && !released ? since_s + kSample_s : 0.0;
+    age_s = there && !released && since_s <= longest_s ? age_s + kSample_s : period_s;
     return age_s > timeout_s + kUncertain_s;
   });
   return after(found, kMargin_s);

@@ -18,6 +18,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "firmware_app/files/csv_table.hpp"
+#include "firmware_app/files/json_file.hpp"
 #include "tools/bench/jitter/output.hpp"
 #include "tools/bench/jitter/process.hpp"
 
@@ -73,7 +74,7 @@ Distribution runLoop(const Arguments& arguments, const std::string& cpus) {
   if (status == kLatchedStop) {
     fmt::print(stderr, "the loop ended in a latched stop\n");
   }
-  const nlohmann::json summary = nlohmann::json::parse(contents(run / "summary.json"));
+  const nlohmann::json summary = patella::app::loadJson(run / "summary.json");
   const int priority = summary.at("realtime").at("priority").get<int>();
   if (priority != arguments.priority) {
     throw std::runtime_error("the loop ran at priority " + std::to_string(priority) + ", expected " +

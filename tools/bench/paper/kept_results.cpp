@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/json_file.hpp"
 
 namespace patella::bench {
 namespace {
@@ -20,9 +21,8 @@ std::optional<nlohmann::json> KeptResults::find(const std::string& name, const s
   if (!std::filesystem::exists(path)) {
     return std::nullopt;
   }
-  nlohmann::json file;
+  const nlohmann::json file = app::loadJson(path);
   try {
-    file = nlohmann::json::parse(app::readFile(path));
     if (file.at("settings").get<std::string>() == settings) {
       return file.at("result");
     }

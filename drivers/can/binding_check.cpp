@@ -1,0 +1,321 @@
+#include "drivers/can/binding_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "core/types.hpp"
+#include "drivers/can/input_table.hpp"
+
+namespace patella::can {
+namespace {
+
+/// Two scales that differ by less say the same: 0.0175 is a rounded π/180.
+constexpr double kRounding = 0.005;
+
+std::string quote(std::string_view name) {
+  return "'" + std::string(name) + "'";
+}
+
+std::string digits(double value) {
+  std::array<char, 32> text{};
+  return {text.data(),
+          std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6).ptr};
+}
+
+std::string where(const std::string& origin) {
+  return origin.empty() ? "" : " (" + origin + ")";
+}
+
+[[noreturn]] void refuse(const std::string& origin, const std::string& problem) {
+  throw std::invalid_argument((origin.empty() ? "" : origin + ": ") + problem);
+}
+
+/// A binding with the names that messages give it.
+struct Bound {
+  const Binding& binding;
+  const char* kind;  ///< "input" or "output"
+  std::string message;
+
+  std::string name() const { return kind + (" " + quote(binding.input)); }
+  std::string signal() const { return "signal " + quote(binding.signal) + " of message " + quote(message); }
+  [[noreturn]] void fail(const std::string& problem) const {
+    refuse(binding.origin, name() + ": " + problem);
+  }
+  const Signal* find(const Database& database) const {
+    const Message* found = database.find(message);
+    return found == nullptr ? nullptr : found->find(binding.signal);
+  }
+};
+
+Dimension dimensionOfOutput(const std::string& output) {
+  return output.starts_with("torque_Nm.") ? Dimension::kTorque : Dimension::kNone;
+}
+
+void checkFree(const Bound& bound, const Database& database, const Protection* protection) {
+  if (protection != nullptr && bound.binding.signal == protection->counter_signal)
+    bound.fail(bound.signal() + " is the counter of its message, expected one that carries data");
+  if (protection != nullptr && bound.binding.signal == protection->crc_signal)
+    bound.fail(bound.signal() + " is the CRC of its message, expected one that carries data");
+  const Signal* signal = bound.find(database);
+  if (signal != nullptr && signal->is_multiplexor)
+    bound.fail(bound.signal() + " is a multiplexor, expected one that carries data");
+}
+
+void checkUnit(const Bound& bound, const Database& database, Dimension dimension) {
+  const Signal* signal = bound.find(database);
+  const auto unit = signal == nullptr ? std::nullopt : findUnit(signal->unit);
+  if (!unit || !bound.binding.scale_reason.empty())
+    return;
+  const std::string by_dbc = bound.signal() + " is in " + quote(signal->unit) + " by the DBC, ";
+  const std::string otherwise = "; or 'scale_reason', what scale holds besides";
+  if (unit->dimension != dimension) {
+    const std::string_view own = unitName(dimension);
+    bound.fail(by_dbc + "expected " + (own.empty() ? "no unit" : "a unit of what is " + std::string(own)) +
+               " inside" + otherwise);
+  }
+  if (!(std::abs(std::abs(bound.binding.scale) - unit->factor) <= kRounding * unit->factor)) {
+    bound.fail(by_dbc + "scale is " + digits(bound.binding.scale) + ", expected " + digits(unit->factor) +
+               " or " + digits(-unit->factor) + " to have " + std::string(unitName(dimension)) + otherwise);
+  }
+}
+
+class Check {
+ public:
+  Check(const Database& database, const BusMap& map, std::span<const CommandMap> commands)
+      : database_(database), map_(map), commands_(commands) {}
+
+  void run() {
+    for (const CommandMap& command : commands_)
+      checkCommand(command);
+    for (const Protection& protection : map_.protections)
+      checkProtection(protection);
+    for (const Binding& binding : map_.bindings)
+      checkInput(binding);
+    for (const auto& [signal, bindings] : feeds_)
+      checkShared(bindings);
+  }
+
+ private:
+  using Names = std::pair<std::string, std::string>;  // message and signal
+
+  void checkParts(const Protection& protection) const {
+    if (!protection.counter_signal.empty() && protection.counter_signal == protection.crc_signal) {
+      refuse(protection.origin, "signal " + quote(protection.crc_signal) + " of message " +
+                                    quote(protection.message) +
+                                    " is counter and CRC at once, expected two signals");
+    }
+  }
+
+  void checkProtection(const Protection& protection) {
+    const std::string message = "message " + quote(protection.message);
+    if (command_messages_.contains(protection.message)) {
+      refuse(protection.origin,
+             message + " is the command, expected its counter and crc in [command] and no protection here");
+    }
+    const auto [other, first] = protections_.try_emplace(protection.message, &protection);
+    if (!first) {
+      refuse(protection.origin, message + " is protected twice" + where(other->second->origin) +
+                                    ", expected one protection with both counter and crc");
+    }
+    if (protection.counter_signal.empty() && protection.crc_signal.empty())
+      refuse(protection.origin, message + " is protected by nothing, expected counter, crc or both");
+    checkParts(protection);
+  }
+
+  void checkInput(const Binding& binding) {
+    const Bound bound{binding, "input", binding.message};
+    InputId id;
+    try {
+      id = inputOf(binding.input, kMaxJoints);
+    } catch (const std::invalid_argument& error) {
+      refuse(binding.origin, error.what());
+    }
+    const auto [other, first] = inputs_.try_emplace({id.input, id.index}, &binding);
+    if (!first) {
+      refuse(binding.origin, bound.name() + " is bound twice, to signal " + quote(other->second->signal) +
+                                 " of message " + quote(other->second->message) +
+                                 where(other->second->origin) + " already; expected one signal");
+    }
+    if (command_messages_.contains(binding.message)) {
+      bound.fail("message " + quote(binding.message) +
+                 " is the command that the loop sends, expected one that it receives");
+    }
+    const auto protection = protections_.find(binding.message);
+    checkFree(bound, database_, protection == protections_.end() ? nullptr : protection->second);
+    checkUnit(bound, database_, id.kind().dimension);
+    feeds_[{binding.message, binding.signal}].push_back(&binding);
+  }
+
+  static void checkShared(const std::vector<const Binding*>& bindings) {
+    const Binding& first = *bindings.front();
+    for (const Binding* binding : bindings) {
+      const Bound bound{*binding, "input", binding->message};
+      const bool shareable = inputOf(binding->input, kMaxJoints).kind().shareable;
+      if (binding->shared && !shareable)
+        bound.fail("says 'shared', expected that of drive_enabled and drive_fault only");
+      if (binding->shared && bindings.size() == 1)
+        bound.fail("says 'shared', but no other input reads " + bound.signal());
+      if (binding != &first && !(binding->shared && first.shared)) {
+        bound.fail("reads " + bound.signal() + " as input " + quote(first.input) + where(first.origin) +
+                   " does; expected a signal of its own" +
+                   (shareable ? ", or 'shared = true' with each of them" : ""));
+      }
+    }
+  }
+
+  void checkCommand(const CommandMap& command) {
+    if (!command_messages_.try_emplace(command.message, &command).second) {
+      refuse(command.protection.origin,
+             "message " + quote(command.message) + " is a command twice, expected one table for it");
+    }
+    checkParts(command.protection);
+    std::map<std::string, const Binding*> names;
+    std::map<std::string, const Binding*> signals;
+    for (const Binding& binding : command.bindings) {
+      const Bound bound{binding, "output", command.message};
+      const auto unique = [&](auto& known, const std::string& key, const std::string& problem) {
+        const auto [other, first] = known.try_emplace(key, &binding);
+        if (!first) {
+          bound.fail(problem + " as output " + quote(other->second->input) + where(other->second->origin) +
+                     " is already; expected one output for one signal");
+        }
+      };
+      unique(names, binding.input, "is bound");
+      // Torque of a joint goes to one drive; enable and state may go to each.
+      if (dimensionOfOutput(binding.input) != Dimension::kNone)
+        unique(torques_, binding.input, "is sent");
+      unique(signals, binding.signal, "is written to " + bound.signal());
+      if (binding.shared)
+        bound.fail("says 'shared', expected that of inputs only: the later output would overwrite");
+      checkFree(bound, database_, &command.protection);
+      const Signal* signal = bound.find(database_);
+      if (signal != nullptr && !signal->multiplexor.empty())
+        bound.fail(bound.signal() + " is multiplexed, expected one that every frame carries");
+      checkUnit(bound, database_, dimensionOfOutput(binding.input));
+    }
+  }
+
+  const Database& database_;
+  const BusMap& map_;
+  std::span<const CommandMap> commands_;
+  std::map<std::string, const CommandMap*> command_messages_;
+  std::map<std::string, const Binding*> torques_;
+  std::map<std::string, const Protection*> protections_;
+  std::map<std::pair<Input, std::size_t>, const Binding*> inputs_;
+  std::map<Names, std::vector<const Binding*>> feeds_;
+};
+
+}  // namespace
+
+void checkBindings(const Database& database, const BusMap& map, std::span<const CommandMap> commands) {
+  Check(database, map, commands).run();
+}
+
+namespace {
+
+std::string unguarded(const Protection& protection) {
+  const bool counter = !protection.counter_signal.empty();
+  const bool crc = !protection.crc_signal.empty();
+  if (counter && crc)
+    return "";
+  if (counter)
+    return "has no CRC: damaged frames would be taken for good ones";
+  if (crc)
+    return "has no counter: frames that are lost, repeated or stale would go unseen";
+  return "has neither counter nor CRC: frames that are damaged, lost or repeated would go unseen";
+}
+
+std::string unitRemark(const Bound& bound, const Database& database, Dimension dimension) {
+  const Signal* signal = bound.find(database);
+  if (signal == nullptr)
+    return "";
+  const std::string scale = "scale " + digits(bound.binding.scale);
+  if (!bound.binding.scale_reason.empty()) {
+    return bound.name() + ": " + scale + " of " + bound.signal() + " (" + quote(signal->unit) +
+           ") stands as given: " + bound.binding.scale_reason;
+  }
+  if (dimension == Dimension::kNone || findUnit(signal->unit))
+    return "";
+  const std::string unit =
+      signal->unit.empty() ? "has no unit" : "has the unknown unit " + quote(signal->unit);
+  return bound.name() + ": " + bound.signal() + " " + unit + " in the DBC, so nothing tells whether " +
+         scale + " makes it " + std::string(unitName(dimension));
+}
+
+class Remarks {
+ public:
+  void add(std::string text) {
+    if (!text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end())
+      texts.push_back(std::move(text));
+  }
+
+  void missingInputs(const BusMap& map) {
+    constexpr std::array<std::pair<Input, const char*>, 5> kWanted = {
+        {{Input::kDriveTorque, "a drive that does not follow, or exceeds the limit, goes unseen"},
+         {Input::kDriveEnabled, "a drive that stays enabled against the command goes unseen"},
+         {Input::kDriveFault, "a drive's own faults stop nothing"},
+         {Input::kOperatorEnable, "torque never flows"},
+         {Input::kOperatorReset, "no stop is left again"}}};
+    for (const auto& [input, consequence] : kWanted) {
+      const auto is = [wanted = input](const Binding& binding) {
+        return inputOf(binding.input, kMaxJoints).input == wanted;
+      };
+      if (std::none_of(map.bindings.begin(), map.bindings.end(), is)) {
+        add("no signal is bound to " + std::string(kInputKinds[static_cast<std::size_t>(input)].name) + ": " +
+            consequence);
+      }
+    }
+  }
+
+  void missingProtection(const BusMap& map, bool emg_assists) {
+    for (const Binding& binding : map.bindings) {
+      const InputGroup group = inputOf(binding.input, kMaxJoints).kind().group;
+      if (group == kNoTimeout || (group == kEmgGroup && !emg_assists))
+        continue;
+      const auto found =
+          std::find_if(map.protections.begin(), map.protections.end(),
+                       [&](const Protection& protection) { return protection.message == binding.message; });
+      addUnguarded(binding.message, found == map.protections.end() ? Protection{} : *found);
+    }
+    for (const Protection& protection : map.protections) {
+      const auto reads = [&](const Binding& binding) { return binding.message == protection.message; };
+      if (std::none_of(map.bindings.begin(), map.bindings.end(), reads))
+        add("message " + quote(protection.message) + " is protected, but no input reads it");
+    }
+  }
+
+  void addUnguarded(const std::string& message, const Protection& protection) {
+    if (const std::string text = unguarded(protection); !text.empty())
+      add("message " + quote(message) + " " + text);
+  }
+
+  std::vector<std::string> texts;
+};
+
+}  // namespace
+
+std::vector<std::string> bindingRemarks(const Database& database, const BusMap& map,
+                                        std::span<const CommandMap> commands, bool emg_assists) {
+  Remarks remarks;
+  remarks.missingInputs(map);
+  remarks.missingProtection(map, emg_assists);
+  for (const Binding& binding : map.bindings) {
+    const Dimension dimension = inputOf(binding.input, kMaxJoints).kind().dimension;
+    remarks.add(unitRemark({binding, "input", binding.message}, database, dimension));
+  }
+  for (const CommandMap& command : commands) {
+    remarks.addUnguarded(command.message, command.protection);
+    for (const Binding& binding : command.bindings) {
+      const Dimension dimension = dimensionOfOutput(binding.input);
+      remarks.add(unitRemark({binding, "output", command.message}, database, dimension));
+    }
+  }
+  return std::move(remarks.texts);
+}
+
+}  // namespace patella::can
