@@ -16,6 +16,7 @@ namespace patella::app {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
+constexpr std::size_t kPartBytes = std::size_t{1} << 18;
 
 std::string because(int error) {
   return ": " + std::generic_category().message(error);
@@ -94,35 +95,53 @@ void writeFile(const std::filesystem::path& target, std::string_view text) {
   file.commit();
 }
 
-std::string readFile(const std::filesystem::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) {
+FileParts::FileParts(const std::filesystem::path& path)
+    : path_(path), descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (descriptor_ < 0) {
     throw FileError(path.string() + ": cannot be opened" + because(errno));
   }
-  std::string text;
   struct stat status {};
-  if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
-    text.reserve(static_cast<std::size_t>(status.st_size) + 1);
+  if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode)) {
+    size_ = static_cast<std::size_t>(status.st_size);
   }
-  std::array<char, 1 << 16> block{};
-  ssize_t count = 0;
-  while ((count = read(descriptor, block.data(), block.size())) != 0) {
-    if (count > 0) {
-      text.append(block.data(), static_cast<std::size_t>(count));
-    } else if (errno != EINTR) {
-      const int error = errno;
-      close(descriptor);
-      throw FileError(path.string() + ": cannot be read" + because(error));
+  part_.resize(kPartBytes);
+}
+
+FileParts::~FileParts() {
+  close(descriptor_);
+}
+
+std::string_view FileParts::next() {
+  for (;;) {
+    const ssize_t count = read(descriptor_, part_.data(), part_.size());
+    if (count >= 0) {
+      return std::string_view(part_).substr(0, static_cast<std::size_t>(count));
+    }
+    if (errno != EINTR) {
+      throw FileError(path_.string() + ": cannot be read" + because(errno));
     }
   }
-  close(descriptor);
+}
+
+std::string readFile(const std::filesystem::path& path) {
+  FileParts parts(path);
+  std::string text;
+  text.reserve(parts.size() + 1);
+  for (std::string_view part = parts.next(); !part.empty(); part = parts.next()) {
+    text.append(part);
+  }
   return text;
 }
 
 std::string fileSha256(const std::filesystem::path& path) {
-  const std::string contents = readFile(path);
+  FileParts parts(path);
+  SHA2_CTX context;
+  SHA256Init(&context);
+  for (std::string_view part = parts.next(); !part.empty(); part = parts.next()) {
+    SHA256Update(&context, reinterpret_cast<const std::uint8_t*>(part.data()), part.size());
+  }
   std::array<char, SHA256_DIGEST_STRING_LENGTH> digest{};
-  SHA256Data(reinterpret_cast<const std::uint8_t*>(contents.data()), contents.size(), digest.data());
+  SHA256End(&context, digest.data());
   return digest.data();
 }
 

@@ -2,6 +2,7 @@
 // name only when committed.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -41,6 +42,27 @@ void writeFile(const std::filesystem::path& target, std::string_view text);
 
 /// Whole contents of a file. Throws FileError with the path and the system's reason.
 std::string readFile(const std::filesystem::path& path);
+
+/// Contents of a file, part by part: for files that are larger than memory should be.
+class FileParts {
+ public:
+  /// Throws FileError with the path and the system's reason.
+  explicit FileParts(const std::filesystem::path& path);
+  ~FileParts();
+  FileParts(const FileParts&) = delete;
+  FileParts& operator=(const FileParts&) = delete;
+
+  /// Valid until the next call; empty at the end. Throws FileError.
+  std::string_view next();
+  /// Bytes of a regular file; 0 where the system does not know.
+  std::size_t size() const noexcept { return size_; }
+
+ private:
+  std::filesystem::path path_;
+  std::string part_;
+  std::size_t size_ = 0;
+  int descriptor_ = -1;
+};
 
 /// SHA-256 of a file as 64 hexadecimal digits, as `sha256sum` prints it: names the exact model, weights and
 /// configuration of a run. Throws FileError.

@@ -5,9 +5,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <tuple>
+#include <unordered_set>
+#include <utility>
 
 #include "firmware_app/files/wording.hpp"
 
@@ -30,34 +33,84 @@ std::string_view trimmed(std::string_view cell) {
   return cell;
 }
 
+/// Gives the next part of a text; empty at its end.
+using Source = std::function<std::string_view()>;
+
+/// The lines of a text that comes in parts, of which only one and a line that two share are held.
+class Lines {
+ public:
+  explicit Lines(Source source) : source_(std::move(source)) {}
+
+  /// Without its line end; valid until the next call. False at the end of the text.
+  bool next(std::string_view& line) {
+    if (part_.empty() && !refill()) {
+      return false;
+    }
+    auto end = part_.find('\n');
+    if (end != std::string_view::npos) {
+      line = part_.substr(0, end);
+      part_.remove_prefix(end + 1);
+    } else {
+      begun_.assign(part_);
+      while (refill() && (end = part_.find('\n')) == std::string_view::npos) {
+        begun_.append(part_);
+      }
+      if (!part_.empty()) {
+        begun_.append(part_.substr(0, end));
+        part_.remove_prefix(end + 1);
+      }
+      line = begun_;
+    }
+    if (line.ends_with('\r')) {
+      line.remove_suffix(1);
+    }
+    return true;
+  }
+
+ private:
+  bool refill() {
+    part_ = source_();
+    if (std::exchange(at_start_, false) && part_.starts_with("\xEF\xBB\xBF")) {
+      part_.remove_prefix(3);
+    }
+    return !part_.empty();
+  }
+
+  Source source_;
+  std::string_view part_;
+  std::string begun_;
+  bool at_start_ = true;
+};
+
 /// One pass over the text, line by line and cell by cell.
 class Parser {
  public:
-  Parser(std::string_view text, std::string file, const CsvOptions& options)
-      : rest_(text), file_(std::move(file)), options_(options) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) {
-      rest_.remove_prefix(3);
-    }
-    // Empty lines at the end carry nothing; anywhere else they are rows without cells.
-    while (!rest_.empty() && (rest_.back() == '\n' || rest_.back() == '\r')) {
-      rest_.remove_suffix(1);
-    }
-  }
+  Parser(Source source, std::string file, const CsvOptions& options)
+      : lines_(std::move(source)), file_(std::move(file)), options_(options) {}
 
   bool nextLine() {
-    if (rest_.empty()) {
-      return false;
+    // Empty lines at the end carry nothing; anywhere else they are rows without cells.
+    if (!holds_line_) {
+      while ((holds_line_ = lines_.next(held_)) && held_.empty()) {
+        ++empty_lines_;
+      }
+      if (!holds_line_) {
+        return false;
+      }
     }
     ++line_number_;
-    const auto end = std::min(rest_.find('\n'), rest_.size());
-    line_ = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    if (line_.ends_with('\r')) {
-      line_.remove_suffix(1);
+    if (empty_lines_ > 0) {
+      --empty_lines_;
+      line_ = {};
+    } else {
+      line_ = held_;
+      holds_line_ = false;
     }
     line_done_ = false;
     return true;
   }
+
+  std::size_t lineLength() const noexcept { return line_.size(); }
 
   /// Next cell of the line; false past the last one.
   bool nextCell(std::string_view& cell) {
@@ -115,7 +168,10 @@ class Parser {
     return {result.ptr, result.ec};
   }
 
-  std::string_view rest_;
+  Lines lines_;
+  std::string_view held_;  ///< the next line that is not empty, where `holds_line_`
+  bool holds_line_ = false;
+  std::size_t empty_lines_ = 0;  ///< before it
   std::string_view line_;
   std::string file_;
   const CsvOptions& options_;
@@ -128,6 +184,7 @@ std::vector<std::string> readHeader(Parser& parser) {
     parser.fail("the file is empty, expected a header of column names");
   }
   std::vector<std::string> header;
+  std::unordered_set<std::string> known;
   std::string_view cell;
   while (parser.nextCell(cell)) {
     const std::string name(trimmed(cell));
@@ -135,7 +192,7 @@ std::vector<std::string> readHeader(Parser& parser) {
     if (name.empty()) {
       parser.fail(ordinal + " has no name");
     }
-    if (std::find(header.begin(), header.end(), name) != header.end()) {
+    if (!known.insert(name).second) {
       parser.fail(ordinal + ": name '" + name + "' is repeated");
     }
     header.push_back(name);
@@ -151,14 +208,23 @@ std::vector<std::string> readHeader(Parser& parser) {
   return header;
 }
 
+/// Rows whose length tells how many a text of known length holds.
+constexpr std::size_t kTypicalRows = 1000;
+
 }  // namespace
 
 CsvTable CsvTable::load(const std::filesystem::path& path, const CsvOptions& options) {
-  return parse(readFile(path), path.string(), options);
+  FileParts parts(path);
+  return parse([&] { return parts.next(); }, parts.size(), path.string(), options);
 }
 
 CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
-  Parser parser(text, name, options);
+  return parse([rest = text]() mutable { return std::exchange(rest, {}); }, text.size(), name, options);
+}
+
+CsvTable CsvTable::parse(std::function<std::string_view()> source, std::size_t size, const std::string& name,
+                         const CsvOptions& options) {
+  Parser parser(std::move(source), name, options);
   const std::vector<std::string> header = readHeader(parser);
   for (const std::string& wanted : options.columns) {
     if (std::find(header.begin(), header.end(), wanted) == header.end()) {
@@ -177,13 +243,17 @@ CsvTable CsvTable::parse(std::string_view text, const std::string& name, const C
     }
   }
   table.columns_.resize(table.names_.size());
-  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  for (auto& column : table.columns_) {
-    column.reserve(lines);
-  }
 
   std::string_view cell;
+  std::size_t lines = 0;
+  std::size_t length = 0;
   while (parser.nextLine()) {
+    length += parser.lineLength() + 1;
+    if (++lines == kTypicalRows) {
+      for (auto& column : table.columns_) {
+        column.reserve(size / (length / lines));
+      }
+    }
     std::size_t index = 0;
     while (parser.nextCell(cell)) {
       if (index < header.size() && target[index] != kSkipped) {
@@ -196,6 +266,7 @@ CsvTable CsvTable::parse(std::string_view text, const std::string& name, const C
                   " as in the header");
     }
   }
+  table.rows_ = table.columns_.empty() ? 0 : table.columns_.front().size();
   if (table.rows() < options.minimum_rows) {
     parser.fail(std::to_string(table.rows()) + " rows of numbers, expected at least " +
                 std::to_string(options.minimum_rows));
@@ -207,12 +278,20 @@ bool CsvTable::has(std::string_view name) const noexcept {
   return std::find(names_.begin(), names_.end(), name) != names_.end();
 }
 
-std::span<const double> CsvTable::column(std::string_view name) const {
+std::size_t CsvTable::indexOf(std::string_view name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
   if (found == names_.end()) {
     throw FileError(file_ + ":1: there is no column '" + std::string(name) + "'" + suggestion(name, names_));
   }
-  return columns_[static_cast<std::size_t>(found - names_.begin())];
+  return static_cast<std::size_t>(found - names_.begin());
+}
+
+std::span<const double> CsvTable::column(std::string_view name) const {
+  return columns_[indexOf(name)];
+}
+
+std::vector<double> CsvTable::take(std::string_view name) {
+  return std::exchange(columns_[indexOf(name)], {});
 }
 
 std::optional<std::size_t> CsvTable::firstNotIncreasing(std::string_view name) const {

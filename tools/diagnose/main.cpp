@@ -22,6 +22,8 @@
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/diagnosis_json.hpp"
 #include "tools/diagnose/diagnosis_report.hpp"
+#include "tools/diagnose/excerpts.hpp"
+#include "tools/diagnose/judgement_limits.hpp"
 #include "tools/diagnose/parameter_text.hpp"
 #include "tools/diagnose/recording_file.hpp"
 
@@ -100,14 +102,19 @@ std::vector<std::string> chosenKinds(const std::vector<std::string>& effects) {
   return effects;
 }
 
+// Each is cut before the next is read: the whole of some hours would not fit in memory.
 std::vector<Recording> loadAll(const std::vector<fs::path>& paths, const RecordingOptions& options,
                                ProgressLine& progress) {
   std::vector<Recording> recordings;
   for (const fs::path& path : paths) {
     progress.at("reading " + path.string(),
                 static_cast<double>(recordings.size()) / static_cast<double>(paths.size()));
-    recordings.push_back(loadRecording(path, options));
+    std::vector<Recording> one;
+    one.push_back(loadRecording(path, options));
+    limitLength(one, length::kMostAnalysed_s);
+    recordings.push_back(std::move(one.front()));
   }
+  limitLength(recordings, length::kMostAnalysed_s);
   return recordings;
 }
 
