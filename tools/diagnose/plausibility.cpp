@@ -263,17 +263,26 @@ void requireRate(const Recording& recording) {
   }
 }
 
-void requireAngles(const Recording& recording) {
+// A machine may turn round and round, but not by what the model explains better as another unit.
+void requireAngles(const Recording& recording, const app::ModelDescription& model) {
+  Recording corrected = recording;
+  std::string beyond;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     const auto& q = recording.position_rad[j];
     const auto farthest =
         std::max_element(q.begin(), q.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     if (std::abs(*farthest) > kLargestAngle_rad) {
-      refuse(recording,
-             fmt::format("q{}_rad is {:.4g} at {:.4g} s, expected within ±4π rad; is it in {}?", j + 1,
-                         *farthest, recording.time_s[static_cast<std::size_t>(farthest - q.begin())],
-                         likelyUnit(std::abs(*farthest))));
+      for (double& value : corrected.position_rad[j]) {
+        value *= std::numbers::pi / 180.0;
+      }
+      beyond = fmt::format("q{}_rad is {:.4g} at {:.4g} s, expected within ±4π rad; is it in {}?", j + 1,
+                           *farthest, recording.time_s[static_cast<std::size_t>(farthest - q.begin())],
+                           likelyUnit(std::abs(*farthest)));
     }
+  }
+  if (!beyond.empty() && (recording.is_static ||
+                          read(prepare(corrected, model)).error < read(prepare(recording, model)).error)) {
+    refuse(recording, beyond);
   }
 }
 
@@ -326,12 +335,14 @@ std::vector<Reading> readings(const Recording& recording, const app::ModelDescri
 void requirePlausible(std::span<const Recording> recordings, const app::ModelDescription& model) {
   for (const Recording& recording : recordings) {
     requireSignals(recording, model);
+    if (!recording.is_static) {
+      requireRate(recording);
+    }
     if (isRevolute(model)) {
-      requireAngles(recording);
+      requireAngles(recording, model);
     }
     // At rest a model may explain next to nothing: what is measured there are effects.
     if (!recording.is_static) {
-      requireRate(recording);
       requireBelonging(recording, model);
       requireTorqueUnits(recording, model);
     }
