@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -76,8 +76,13 @@ class Finder {
     look(recording_.velocity_rad_s, "velocity of joint", false);
     look(recording_.torque_Nm, "torque of joint", false);
     look(recording_.commanded_Nm, "commanded torque of joint", false);
-    std::stable_sort(found_.begin(), found_.end(),
-                     [](const Outlier& a, const Outlier& b) { return a.row < b.row; });
+    const auto place = [](const Outlier& outlier) { return std::tie(outlier.row, outlier.signal); };
+    std::sort(found_.begin(), found_.end(),
+              [&](const Outlier& a, const Outlier& b) { return place(a) < place(b); });
+    // A position that leaves its range has jumped, too.
+    found_.erase(std::unique(found_.begin(), found_.end(),
+                             [&](const Outlier& a, const Outlier& b) { return place(a) == place(b); }),
+                 found_.end());
     return std::move(found_);
   }
 
