@@ -50,7 +50,12 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
   app.add_option("--model", a.model, "model file that lacks something")->required();
-  app.add_option("--data", a.data, "run folders of the loop, CSV files or logs of frames; diagnosed together")
+  app.add_option(
+         "--data", a.data,
+         fmt::format("run folders of the loop, CSV files (t_s, q1_rad, tau1_Nm …: seconds, rad, N·m; on "
+                     "a rail m and N) or logs of frames; diagnosed together, excerpts of {:.0f} s "
+                     "where they are longer",
+                     length::kMostAnalysed_s))
       ->required();
   app.add_option("--out", a.out, "folder for report.html, diagnosis.json and model.extended.toml")
       ->required();
