@@ -107,4 +107,12 @@ class Dataset {
   std::vector<Block> blocks_;
 };
 
+/// The same recordings cut in two: all but the last `fraction` of each stretch, and that. A stretch whose
+/// parts would be too short stays whole in the first. Of postures at rest every few are held out.
+struct SplitRecordings {
+  std::vector<Recording> train;
+  std::vector<Recording> heldout;
+};
+SplitRecordings split(std::span<const Recording> recordings, double heldout_fraction);
+
 }  // namespace patella::diagnose

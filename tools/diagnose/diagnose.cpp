@@ -24,7 +24,6 @@
 #include "tools/diagnose/model_error.hpp"
 #include "tools/diagnose/plausibility.hpp"
 #include "tools/diagnose/selection.hpp"
-#include "tools/diagnose/split.hpp"
 #include "tools/diagnose/torque_timing.hpp"
 #include "tools/diagnose/unknown_rest.hpp"
 #include "tools/diagnose/wandering_tremor.hpp"

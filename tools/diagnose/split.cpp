@@ -1,5 +1,4 @@
-#include "tools/diagnose/split.hpp"
-
+// A part of recordings to fit, and a part to judge by.
 #include <cmath>
 #include <utility>
 
