@@ -9,6 +9,8 @@
 #include <limits>
 #include <stdexcept>
 #include <tuple>
+#include <unordered_set>
+#include <utility>
 
 #include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/wording.hpp"
@@ -72,6 +74,8 @@ class Parser {
     fetched_ = false;
     return true;
   }
+
+  std::size_t lineLength() const noexcept { return line_.size(); }
 
   /// Next cell of the line; false past the last one.
   bool nextCell(std::string_view& cell) {
@@ -165,6 +169,7 @@ std::vector<std::string> readHeader(Parser& parser) {
     parser.fail("the file is empty, expected a header of column names");
   }
   std::vector<std::string> header;
+  std::unordered_set<std::string> known;
   std::string_view cell;
   while (parser.nextCell(cell)) {
     const std::string name(trimmed(cell));
@@ -172,7 +177,7 @@ std::vector<std::string> readHeader(Parser& parser) {
     if (name.empty()) {
       parser.fail(ordinal + " has no name");
     }
-    if (std::find(header.begin(), header.end(), name) != header.end()) {
+    if (!known.insert(name).second) {
       parser.fail(ordinal + ": name '" + name + "' is repeated");
     }
     header.push_back(name);
@@ -188,6 +193,9 @@ std::vector<std::string> readHeader(Parser& parser) {
   return header;
 }
 
+/// Rows whose length tells how many a text of known length holds.
+constexpr std::size_t kTypicalRows = 1000;
+
 }  // namespace
 
 CsvTable CsvTable::load(const std::filesystem::path& path, const CsvOptions& options) {
@@ -200,7 +208,7 @@ CsvTable CsvTable::load(const std::filesystem::path& path, const CsvOptions& opt
           line = text;
           return more;
         },
-        path.string(), options);
+        std::filesystem::file_size(path), path.string(), options);
   } catch (const FileError&) {
     throw;
   } catch (const std::runtime_error& error) {
@@ -209,11 +217,12 @@ CsvTable CsvTable::load(const std::filesystem::path& path, const CsvOptions& opt
 }
 
 CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
-  return read(linesOf(text), name, options);
+  return read(linesOf(text), text.size(), name, options);
 }
 
-CsvTable CsvTable::read(const Lines& lines, const std::string& name, const CsvOptions& options) {
-  Parser parser(lines, name, options);
+CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::string& name,
+                        const CsvOptions& options) {
+  Parser parser(source, name, options);
   const std::vector<std::string> header = readHeader(parser);
   for (const std::string& wanted : options.columns) {
     if (std::find(header.begin(), header.end(), wanted) == header.end()) {
@@ -234,7 +243,15 @@ CsvTable CsvTable::read(const Lines& lines, const std::string& name, const CsvOp
   table.columns_.resize(table.names_.size());
 
   std::string_view cell;
+  std::size_t lines = 0;
+  std::size_t length = 0;
   while (parser.nextLine()) {
+    length += parser.lineLength() + 1;
+    if (++lines == kTypicalRows) {
+      for (auto& column : table.columns_) {
+        column.reserve(size / (length / lines));
+      }
+    }
     std::size_t index = 0;
     while (parser.nextCell(cell)) {
       if (index < header.size() && target[index] != kSkipped) {
@@ -247,6 +264,7 @@ CsvTable CsvTable::read(const Lines& lines, const std::string& name, const CsvOp
                   " as in the header");
     }
   }
+  table.rows_ = table.columns_.empty() ? 0 : table.columns_.front().size();
   if (table.rows() < options.minimum_rows) {
     parser.fail(std::to_string(table.rows()) + " rows of numbers, expected at least " +
                 std::to_string(options.minimum_rows));
@@ -258,12 +276,20 @@ bool CsvTable::has(std::string_view name) const noexcept {
   return std::find(names_.begin(), names_.end(), name) != names_.end();
 }
 
-std::span<const double> CsvTable::column(std::string_view name) const {
+std::size_t CsvTable::indexOf(std::string_view name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
   if (found == names_.end()) {
     throw FileError(file_ + ":1: there is no column '" + std::string(name) + "'" + suggestion(name, names_));
   }
-  return columns_[static_cast<std::size_t>(found - names_.begin())];
+  return static_cast<std::size_t>(found - names_.begin());
+}
+
+std::span<const double> CsvTable::column(std::string_view name) const {
+  return columns_[indexOf(name)];
+}
+
+std::vector<double> CsvTable::take(std::string_view name) {
+  return std::exchange(columns_[indexOf(name)], {});
 }
 
 std::optional<std::size_t> CsvTable::firstNotIncreasing(std::string_view name) const {

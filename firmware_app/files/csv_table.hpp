@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -31,7 +32,8 @@ class CsvTable {
  public:
   /// Throws FileError: "file:line: column 'q1_rad': value 'abc', expected a number"; also for an empty file,
   /// empty or repeated names, lines with too few or too many cells, and too few rows.
-  /// Reads line by line: a file may have any length, and a line of it a megabyte.
+  /// Reads line by line: takes the memory of its columns, not of its text. A file may have any length, and a line of
+  /// it a megabyte.
   static CsvTable load(const std::filesystem::path& path, const CsvOptions& options = {});
   /// The next line without its line feed, valid until the one after it is asked for; false at the end.
   using Lines = std::function<bool(std::string_view&)>;
@@ -41,21 +43,27 @@ class CsvTable {
 
   /// Of the columns that were read, in the order of the file.
   const std::vector<std::string>& names() const noexcept { return names_; }
-  std::size_t rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
+  std::size_t rows() const noexcept { return rows_; }
   bool has(std::string_view name) const noexcept;
   /// Throws FileError naming the column, the file and the nearest name.
   std::span<const double> column(std::string_view name) const;
+  /// The same, out of the table, which holds no values of it any more.
+  std::vector<double> take(std::string_view name);
   /// Line of the file at which a row stands, counted from 1.
   static std::size_t lineOf(std::size_t row) noexcept { return row + 2; }
   /// First row whose value is not greater than the one before it, for columns of time; NaN counts as such.
   std::optional<std::size_t> firstNotIncreasing(std::string_view name) const;
 
  private:
-  static CsvTable read(const Lines& lines, const std::string& name, const CsvOptions& options);
+  /// `size` bytes in all, or thereabouts.
+  static CsvTable read(const Lines& source, std::uint64_t size, const std::string& name,
+                       const CsvOptions& options);
+  std::size_t indexOf(std::string_view name) const;
 
   std::string file_;
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
+  std::size_t rows_ = 0;
 };
 
 /// Writes such a file; it appears when committed. Numbers read back as the same double, NaN as an empty cell.

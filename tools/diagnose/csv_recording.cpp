@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "tools/diagnose/held_torque.hpp"
@@ -17,9 +18,17 @@ using app::FileError;
 
 constexpr const char* kStepsColumn = "encoder_steps";
 
-std::vector<std::string> headerOf(std::string_view text, const std::string& name, char delimiter) {
-  return CsvTable::parse(text.substr(0, text.find('\n')), name, {.delimiter = delimiter, .minimum_rows = 0})
-      .names();
+std::string firstLine(const std::filesystem::path& file) {
+  constexpr std::size_t kLongestLine = 1'000'000;
+  try {
+    std::string line;
+    files::LineReader(file, kLongestLine).next(line);
+    return line;
+  } catch (const FileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw FileError(error.what());
+  }
 }
 
 std::string numbered(const char* stem, std::size_t index, const char* ending) {
@@ -29,8 +38,8 @@ std::string numbered(const char* stem, std::size_t index, const char* ending) {
 /// Reads the columns that are asked for, and no others, which may hold text.
 class NamedColumns {
  public:
-  NamedColumns(std::string_view text, std::string name)
-      : text_(text), name_(std::move(name)), header_(headerOf(text, name_, ',')) {}
+  explicit NamedColumns(const std::filesystem::path& file)
+      : file_(file), header_(CsvTable::parse(firstLine(file), file.string(), {.minimum_rows = 0}).names()) {}
 
   bool has(const std::string& column) const {
     return std::find(header_.begin(), header_.end(), column) != header_.end();
@@ -41,11 +50,10 @@ class NamedColumns {
     return found == names.end() ? std::string() : *found;
   }
   void want(const std::string& column) { wanted_.push_back(column); }
-  CsvTable read() const { return CsvTable::parse(text_, name_, {.columns = wanted_, .allow_missing = true}); }
+  CsvTable read() const { return CsvTable::load(file_, {.columns = wanted_, .allow_missing = true}); }
 
  private:
-  std::string_view text_;
-  std::string name_;
+  std::filesystem::path file_;
   std::vector<std::string> header_;
   std::vector<std::string> wanted_;
 };
@@ -83,9 +91,9 @@ void dropIncompleteVelocity(RawRecording& recording) {
 }
 
 /// Named signals of a table; `extra` columns are read for the caller.
-CsvTable readSignals(std::string_view text, RawRecording& recording,
+CsvTable readSignals(const std::filesystem::path& file, RawRecording& recording,
                      std::initializer_list<const char*> extra) {
-  NamedColumns columns(text, recording.name);
+  NamedColumns columns(file);
   const auto joints = static_cast<std::size_t>(recording.joints);
   requireJoints(columns, recording.name, recording.joints);
   std::array<std::string, kMaxJoints> commanded;
@@ -120,21 +128,21 @@ CsvTable readSignals(std::string_view text, RawRecording& recording,
     }
   }
   CsvTable table = columns.read();
-  recording.stamp_s = copyOf(table, "t_s");
+  recording.stamp_s = table.take("t_s");
   for (std::size_t j = 0; j < joints; ++j) {
-    recording.position_rad[j] = copyOf(table, numbered("q", j, "_rad"));
-    recording.torque_Nm[j] = copyOf(table, numbered("tau", j, "_Nm"));
+    recording.position_rad[j] = table.take(numbered("q", j, "_rad"));
+    recording.torque_Nm[j] = table.take(numbered("tau", j, "_Nm"));
     if (!commanded[j].empty()) {
-      recording.commanded_Nm[j] = copyOf(table, commanded[j]);
+      recording.commanded_Nm[j] = table.take(commanded[j]);
     }
     if (has_velocity) {
-      recording.velocity_rad_s[j] = copyOf(table, numbered("dq", j, "_rad_s"));
+      recording.velocity_rad_s[j] = table.take(numbered("dq", j, "_rad_s"));
     }
   }
   dropIncompleteVelocity(recording);
   for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
     if (!emg[c].empty()) {
-      (has_activation ? recording.activation : recording.emg_mV)[c] = copyOf(table, emg[c]);
+      (has_activation ? recording.activation : recording.emg_mV)[c] = table.take(emg[c]);
     }
   }
   numberLines(recording);
@@ -190,24 +198,25 @@ std::vector<std::size_t> chosenRows(const CsvTable& table, const std::vector<Row
 
 }  // namespace
 
-bool isLoopTable(std::string_view text) {
-  return text.substr(0, text.find('\n')).find(kStepsColumn) != std::string_view::npos;
+bool isLoopTable(const std::filesystem::path& file) {
+  return firstLine(file).find(kStepsColumn) != std::string::npos;
 }
 
-RawRecording readNamedColumns(std::string_view text, const std::string& name, int joints) {
+RawRecording readNamedColumns(const std::filesystem::path& file, int joints) {
   RawRecording recording;
-  recording.name = name;
+  recording.name = file.string();
   recording.joints = joints;
   recording.torque_timing_assumed = true;
-  readSignals(text, recording, {});
+  readSignals(file, recording, {});
   return recording;
 }
 
-RawRecording readLoopTable(std::string_view text, const std::string& name, int joints, bool sampled) {
+RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled) {
+  const std::string name = file.string();
   RawRecording recording;
   recording.name = name;
   recording.joints = joints;
-  const CsvTable table = readSignals(text, recording, {kStepsColumn, "latency_us"});
+  const CsvTable table = readSignals(file, recording, {kStepsColumn, "latency_us"});
   if (reportsNoTorque(recording)) {
     takeCommandsAsApplied(recording);
   }
@@ -247,18 +256,19 @@ RawRecording readLoopTable(std::string_view text, const std::string& name, int j
   return recording;
 }
 
-RawRecording readMappedColumns(std::string_view text, const std::string& name, int joints,
-                               const ColumnMap& map) {
+RawRecording readMappedColumns(const std::filesystem::path& file, int joints, const ColumnMap& map) {
+  const std::string name = file.string();
   if (map.joints.size() != static_cast<std::size_t>(joints)) {
     throw FileError(name + ": the map of its columns has " + std::to_string(map.joints.size()) +
                     " tables [[joint]], but the model has " +
                     (joints == 1 ? "one joint" : std::to_string(joints) + " joints"));
   }
-  const CsvTable table = CsvTable::parse(
-      text, name, {.delimiter = map.delimiter, .columns = map.columns(), .allow_missing = true});
+  const CsvTable table =
+      CsvTable::load(file, {.delimiter = map.delimiter, .columns = map.columns(), .allow_missing = true});
   RawRecording recording;
   recording.name = name;
   recording.joints = joints;
+  recording.time_name = map.time_column;
   recording.torque_timing = map.torque_timing;
   recording.is_static = map.is_static;
   if (!map.is_static) {

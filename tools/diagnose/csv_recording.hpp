@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string_view>
 
 #include "tools/diagnose/column_map.hpp"
 #include "tools/diagnose/raw_recording.hpp"
@@ -10,20 +9,19 @@
 namespace patella::diagnose {
 
 /// True for the header of a table that the loop has recorded.
-bool isLoopTable(std::string_view text);
+bool isLoopTable(const std::filesystem::path& file);
 
 /// Of a CSV with the loop's names for its columns. Throws app::FileError; `joints` is that of the model.
-RawRecording readNamedColumns(std::string_view text, const std::string& name, int joints);
+RawRecording readNamedColumns(const std::filesystem::path& file, int joints);
 
 /// Of a table that the loop has recorded. Time is that of the encoder's counter, as the loop's estimators
 /// have it. A drive reports the torque that it held until the sample, so that each row is given the report of
 /// the next. Commands take effect a little after the sample, by the recorded latency, within which torque is
 /// mixed from the two rows. `sampled`: the report is what acted at the instant of the sample, and taken as it
 /// is.
-RawRecording readLoopTable(std::string_view text, const std::string& name, int joints, bool sampled);
+RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled);
 
 /// By a map.
-RawRecording readMappedColumns(std::string_view text, const std::string& name, int joints,
-                               const ColumnMap& map);
+RawRecording readMappedColumns(const std::filesystem::path& file, int joints, const ColumnMap& map);
 
 }  // namespace patella::diagnose

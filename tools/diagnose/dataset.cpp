@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tools/diagnose/judgement_limits.hpp"
 #include "tools/signals/signals.hpp"
 #include "tools/signals/spectral_lines.hpp"
 
@@ -200,10 +201,9 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
   if (is_static_) {
     rate_Hz_ = 1.0;
   } else {
-    band_Hz_ = std::min(options.band_Hz, 0.15 * lowest_rate_Hz);
-    decimation_ = std::max<std::size_t>(
-        1, static_cast<std::size_t>(std::floor(series_.front().rate_Hz / (kSamplesPerPeriod * band_Hz_))));
-    rate_Hz_ = series_.front().rate_Hz / static_cast<double>(decimation_);
+    band_Hz_ = std::min(options.band_Hz, kBandShareOfRate * lowest_rate_Hz);
+    const double rate_Hz = series_.front().rate_Hz;
+    rate_Hz_ = rate_Hz / static_cast<double>(decimation(rate_Hz));
   }
   for (std::size_t s = 0; s < series_.size(); ++s) {
     const Eigen::Index count = band(Samples(series_[s].states.size()), series_[s].rate_Hz).size();
@@ -216,13 +216,19 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
     const auto edge = is_static_ ? 0 : edgeSamples(series_[s].rate_Hz);
     for (Eigen::Index i = 0; i < blocks_[s].end - blocks_[s].first; ++i) {
       time_s_[blocks_[s].first + i] =
-          series_[s].states[edge + static_cast<std::size_t>(i) * decimation_].time_s;
+          series_[s].states[edge + static_cast<std::size_t>(i) * decimation(series_[s].rate_Hz)].time_s;
     }
   }
 }
 
 std::size_t Dataset::edgeSamples(double rate_Hz) const noexcept {
   return static_cast<std::size_t>(kEdgePeriods * rate_Hz / band_Hz_);
+}
+
+std::size_t Dataset::decimation(double rate_Hz) const noexcept {
+  return is_static_
+             ? 1
+             : static_cast<std::size_t>(std::max(1.0, std::floor(rate_Hz / (kSamplesPerPeriod * band_Hz_))));
 }
 
 double Dataset::gain(double frequency_Hz) const noexcept {
@@ -242,14 +248,15 @@ Eigen::VectorXd Dataset::band(std::span<const double> signal, double rate_Hz) co
     return Eigen::Map<const Eigen::VectorXd>(signal.data(), static_cast<Eigen::Index>(signal.size()));
   }
   const std::size_t edge = edgeSamples(rate_Hz);
-  const std::size_t count = (signal.size() - 2 * edge + decimation_ - 1) / decimation_;
+  const std::size_t step = decimation(rate_Hz);
+  const std::size_t count = (signal.size() - 2 * edge + step - 1) / step;
   Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count));
   if (std::all_of(signal.begin(), signal.end(), [](double value) { return value == 0.0; })) {
     return result;
   }
   const Samples filtered = offline::zeroPhaseLowPass(signal, band_Hz_, rate_Hz, kFilterOrder);
   for (std::size_t i = 0; i < count; ++i) {
-    result[static_cast<Eigen::Index>(i)] = filtered[edge + i * decimation_];
+    result[static_cast<Eigen::Index>(i)] = filtered[edge + i * step];
   }
   return result;
 }
@@ -342,57 +349,6 @@ Eigen::VectorXd Dataset::variable(const std::function<double(const Series&, std:
     result.segment(blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series_[s].rate_Hz);
   }
   return result;
-}
-
-// Postures have no order in time, and often one in angle: the last of them would be one end of the range. So
-// runs of neighbours are held out, spread over the whole.
-void splitPostures(const Segment& segment, double heldout_fraction, std::vector<Segment>& train,
-                   std::vector<Segment>& heldout) {
-  constexpr std::size_t kNeighbours = 5;
-  const auto share = [&](std::size_t row) {
-    const std::size_t group = row / kNeighbours;
-    return std::floor(heldout_fraction * static_cast<double>(group + 1)) >
-           std::floor(heldout_fraction * static_cast<double>(group));
-  };
-  for (std::size_t first = segment.first; first < segment.end;) {
-    const bool out = share(first - segment.first);
-    std::size_t end = first;
-    while (end < segment.end && share(end - segment.first) == out) {
-      ++end;
-    }
-    (out ? heldout : train).push_back({first, end});
-    first = end;
-  }
-}
-
-SplitRecordings split(std::span<const Recording> recordings, double heldout_fraction) {
-  SplitRecordings parts;
-  for (const Recording& recording : recordings) {
-    Recording train = recording;
-    Recording heldout = recording;
-    train.segments.clear();
-    heldout.segments.clear();
-    for (const Segment& segment : recording.segments) {
-      if (recording.is_static) {
-        splitPostures(segment, heldout_fraction, train.segments, heldout.segments);
-        continue;
-      }
-      const auto length = static_cast<double>(segment.end - segment.first);
-      const auto cut = segment.first + static_cast<std::size_t>((1.0 - heldout_fraction) * length);
-      const double shortest = Dataset::kShortest_s * recording.rate_Hz;
-      if (heldout_fraction * length < shortest || (1.0 - heldout_fraction) * length < shortest) {
-        train.segments.push_back(segment);
-      } else {
-        train.segments.push_back({segment.first, cut});
-        heldout.segments.push_back({cut, segment.end});
-      }
-    }
-    parts.train.push_back(std::move(train));
-    if (!heldout.segments.empty()) {
-      parts.heldout.push_back(std::move(heldout));
-    }
-  }
-  return parts;
 }
 
 }  // namespace patella::diagnose

@@ -24,6 +24,10 @@ struct DatasetOptions {
   bool asked_part = false;            ///< tell what the motion asked for from the rest, which takes a while
 };
 
+/// Slow enough for noise and vibration to count little, fast enough for inertia to show: for what is judged
+/// before anything is fitted.
+inline constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 200.0, .band_Hz = 6.0};
+
 /// The motion's own band: two and a half times the frequency below which 99 % of the power of every joint's
 /// velocity lies, within 6 to 14 Hz. What lies far above it is vibration of the structure, which no rigid
 /// model explains.
@@ -90,12 +94,13 @@ class Dataset {
  private:
   Eigen::VectorXd band(std::span<const double> signal, double rate_Hz) const;
   std::size_t edgeSamples(double rate_Hz) const noexcept;
+  /// Recordings of different rates come to about the same: each series keeps one of so many of its samples.
+  std::size_t decimation(double rate_Hz) const noexcept;
 
   int joints_;
   bool is_static_;
   double rate_Hz_ = 0.0;
   double band_Hz_ = 0.0;
-  std::size_t decimation_ = 1;
   Eigen::Index rows_ = 0;
   Eigen::VectorXd time_s_;
   std::vector<Series> series_;

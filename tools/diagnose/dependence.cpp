@@ -180,7 +180,7 @@ class Tester {
       return;
     }
     const Screening screening(
-        data_, fit_, atoms.items, atoms.columns,
+        data_, fit_, atoms,
         {.replicates = replicates_, .seed = seed_, .nuisance = nuisance_, .goes_with_motion = true});
     const std::vector<double> chance = screening.chance(surprise);
     double least_p = 1.0;  // of what a second look is for

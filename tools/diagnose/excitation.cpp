@@ -111,8 +111,7 @@ std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& 
     double best = std::numeric_limits<double>::infinity();
     const std::size_t step = (points.size() + kPointsLookedAt - 1) / kPointsLookedAt;
     for (std::size_t i = 0; i < points.size(); i += step) {
-      best = std::min(best, detector.smallest(atoms.columns.middleCols(points[i]->first, points[i]->count),
-                                              points[i]->joint));
+      best = std::min(best, detector.smallest(atoms.of(*points[i]), points[i]->joint));
     }
     smallest[label] = best;
   }
@@ -138,6 +137,17 @@ bool singleSinusoids(std::span<const JointSignals> signals) {
   return std::all_of(signals.begin(), signals.end(), [](const JointSignals& joint) {
     return !joint.moves || joint.line_share > kSingleLine;
   });
+}
+
+// "Joint 2 does not move"; empty where all do.
+std::string restingJoints(std::span<const JointSignals> signals) {
+  std::string resting;
+  for (std::size_t j = 0; j < signals.size(); ++j) {
+    if (!signals[j].moves) {
+      resting += fmt::format("{} {}", resting.empty() ? "Joint" : " and joint", j + 1);
+    }
+  }
+  return resting.empty() ? resting : resting + " does not move";
 }
 
 void refuse(Diagnosis& diagnosis, std::string explanation) {
@@ -232,6 +242,14 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
     refuse(diagnosis,
            "Single sinusoids excite the joints, and more than one effect would be needed: other combinations "
            "explain as much. Add a second frequency.");
+  }
+  if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {
+    if (const std::string resting = restingJoints(signals); !resting.empty()) {
+      refuse(diagnosis, fmt::format("{}: whether anything is missing there cannot be told. Nothing was found "
+                                    "to be missing elsewhere.",
+                                    resting));
+      return;
+    }
   }
   const std::size_t plain = 4 * signals.size();
   if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {

@@ -44,8 +44,7 @@ std::vector<double> frictionSmoothing(ModelFitter& fitter, const ModelFit& nomin
     return smoothing;
   }
   const Atoms atoms = recipeAtoms(fitter, candidates);
-  const Screening screening(data, nominal, atoms.items, atoms.columns,
-                            {.replicates = kReplicates, .seed = seed});
+  const Screening screening(data, nominal, atoms, {.replicates = kReplicates, .seed = seed});
   std::vector<double> best(smoothing.size(), 0.0);
   for (const Screened& screened : screening.results()) {
     const auto joint = static_cast<std::size_t>(atoms.items[screened.atom].joint);

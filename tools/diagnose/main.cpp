@@ -22,6 +22,8 @@
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/diagnosis_json.hpp"
 #include "tools/diagnose/diagnosis_report.hpp"
+#include "tools/diagnose/excerpts.hpp"
+#include "tools/diagnose/judgement_limits.hpp"
 #include "tools/diagnose/parameter_text.hpp"
 #include "tools/diagnose/recording_file.hpp"
 
@@ -48,7 +50,12 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
   app.add_option("--model", a.model, "model file that lacks something")->required();
-  app.add_option("--data", a.data, "run folders of the loop, CSV files or logs of frames; diagnosed together")
+  app.add_option(
+         "--data", a.data,
+         fmt::format("run folders of the loop, CSV files (t_s, q1_rad, tau1_Nm …: seconds, rad, N·m; on "
+                     "a rail m and N) or logs of frames; diagnosed together, excerpts of {:.0f} s "
+                     "where they are longer",
+                     length::kMostAnalysed_s))
       ->required();
   app.add_option("--out", a.out, "folder for report.html, diagnosis.json and model.extended.toml")
       ->required();
@@ -100,14 +107,19 @@ std::vector<std::string> chosenKinds(const std::vector<std::string>& effects) {
   return effects;
 }
 
+// Each is cut before the next is read: the whole of some hours would not fit in memory.
 std::vector<Recording> loadAll(const std::vector<fs::path>& paths, const RecordingOptions& options,
                                ProgressLine& progress) {
   std::vector<Recording> recordings;
   for (const fs::path& path : paths) {
     progress.at("reading " + path.string(),
                 static_cast<double>(recordings.size()) / static_cast<double>(paths.size()));
-    recordings.push_back(loadRecording(path, options));
+    std::vector<Recording> one;
+    one.push_back(loadRecording(path, options));
+    limitLength(one, length::kMostAnalysed_s);
+    recordings.push_back(std::move(one.front()));
   }
+  limitLength(recordings, length::kMostAnalysed_s);
   return recordings;
 }
 

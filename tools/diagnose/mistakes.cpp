@@ -1,6 +1,8 @@
 #include "tools/diagnose/mistakes.hpp"
 
+#include <array>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +12,21 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMillimetre = 1e-3;
+
+struct TorqueUnit {
+  const char* name;
+  const char* change;
+  double in_Nm;
+};
+constexpr std::array kTorqueUnits{TorqueUnit{"kN·m", "·1000", 1e3},
+                                  TorqueUnit{"mN·m or N·mm", "/1000", 1e-3},
+                                  TorqueUnit{"N·cm", "/100", 1e-2},
+                                  TorqueUnit{"kgf·m", "·9.81", 9.80665},
+                                  TorqueUnit{"kgf·cm", "·0.0981", 0.0980665},
+                                  TorqueUnit{"lbf·in", "·0.113", 0.1129848},
+                                  TorqueUnit{"ozf·in", "·0.00706", 0.00706155}};
+constexpr std::array kForceUnits{TorqueUnit{"kN", "·1000", 1e3}, TorqueUnit{"mN", "/1000", 1e-3},
+                                 TorqueUnit{"kgf", "·9.81", 9.80665}, TorqueUnit{"lbf", "·4.45", 4.44822}};
 
 void scale(std::vector<double>& values, double factor) {
   for (double& value : values) {
@@ -93,16 +110,34 @@ class Mistakes {
       return fmt::format("{} {} {}", what, verb(joint), text);
     };
     const Signals positions = &Recording::position_rad;
-    const Signals torques = &Recording::torque_Nm;
     if (revolute_) {
       addScaled(positions, joint, kDegree, is(position(joint), "in degrees"), q_and("·π/180"));
       addScaled(positions, joint, 1.0 / kDegree, is(position(joint), "converted from degrees twice"),
                 q_and("·180/π"));
+      addScaled(positions, joint, 2.0 * std::numbers::pi, is(position(joint), "in turns"), q_and("·2π"));
+      addScaled(positions, joint, 1e-3, is(position(joint), "in milliradians"), q_and("/1000"));
     } else {
       addScaled(positions, joint, kMillimetre, is(position(joint), "in millimetres"), q_and("/1000"));
     }
-    addScaled(torques, joint, kDegree, is(torque(joint), "too large by 180/π"), tau_and("·π/180"));
-    addScaled(torques, joint, 1.0 / kDegree, is(torque(joint), "too small by 180/π"), tau_and("·180/π"));
+    addTorque(joint, kDegree, is(torque(joint), "too large by 180/π"), tau_and("·π/180"));
+    addTorque(joint, 1.0 / kDegree, is(torque(joint), "too small by 180/π"), tau_and("·180/π"));
+    // One drive that has no current may look like a unit of its own: see torque_units.hpp for that.
+    if (joint < 0 || joints_ == 1) {
+      const std::span<const TorqueUnit> known =
+          revolute_ ? std::span<const TorqueUnit>(kTorqueUnits) : std::span<const TorqueUnit>(kForceUnits);
+      for (const TorqueUnit& unit : known) {
+        addTorque(joint, unit.in_Nm, fmt::format("{} {} in {}", torque(joint), verb(joint), unit.name),
+                  tau_and(unit.change));
+      }
+    }
+  }
+
+  void addTorque(int joint, double factor, std::string mistake, std::string change) {
+    addScaled(&Recording::torque_Nm, joint, factor, std::move(mistake), std::move(change));
+    all_.back().torque_factor.assign(static_cast<std::size_t>(joints_), 1.0);
+    for (const std::size_t j : chosen(joint, joints_)) {
+      all_.back().torque_factor[j] = factor;
+    }
   }
 
   void signs(int joint) {

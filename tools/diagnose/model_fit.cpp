@@ -16,8 +16,8 @@
 namespace patella::diagnose {
 namespace {
 
-/// Bases kept before the store is emptied: those of a search and of one fit have room in it.
-constexpr std::size_t kCachedBases = 4000;
+/// Numbers in kept bases before the store is emptied: those of a search and of one fit have room in it.
+constexpr Eigen::Index kCachedNumbers = 25'000'000;
 /// A nominal parameter is never moved by more than this factor, whatever the data say.
 constexpr double kLargestLogarithm = 1.5;
 constexpr double kRelativeStep = 1e-4;
@@ -216,10 +216,13 @@ Eigen::MatrixXd ModelFitter::cached(const std::string& key,
   if (const auto found = cache_.find(key); found != cache_.end()) {
     return found->second;
   }
-  if (cache_.size() > kCachedBases) {
+  if (cached_numbers_ > kCachedNumbers) {
     cache_.clear();
+    cached_numbers_ = 0;
   }
-  return cache_.emplace(key, work_out()).first->second;
+  const Eigen::MatrixXd& basis = cache_.emplace(key, work_out()).first->second;
+  cached_numbers_ += basis.size();
+  return basis;
 }
 
 Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double> nu) {

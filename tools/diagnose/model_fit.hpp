@@ -119,6 +119,7 @@ class ModelFitter {
   double prior_scale_ = 1.0;
   std::vector<app::EffectDescription> fixed_;  ///< declared effects that are kept as they are
   std::map<std::string, Eigen::MatrixXd> cache_;
+  Eigen::Index cached_numbers_ = 0;
   std::map<int, AngleShift> shifts_;  ///< by joint, once one is asked for
 };
 

@@ -12,7 +12,9 @@
 
 #include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/elementary.hpp"
+#include "tools/diagnose/judgement_limits.hpp"
 #include "tools/diagnose/mistakes.hpp"
+#include "tools/diagnose/torque_units.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -21,8 +23,6 @@ constexpr std::size_t kFewestRows = 200;
 constexpr std::size_t kFewestPostures = 10;
 constexpr double kLargestAngle_rad = 4.0 * std::numbers::pi;
 
-/// Slow enough for noise and vibration to count little, fast enough for inertia to show.
-constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 200.0, .band_Hz = 6.0};
 constexpr double kOwnRange = 0.3;
 constexpr double kWideFactor = 4.0;
 
@@ -100,26 +100,41 @@ Regression regressionOf(const Dataset& data, const app::ModelDescription& model)
   return regression;
 }
 
-Reading readingOf(const Recording& recording, const app::ModelDescription& model) {
+// What readings of one motion have in common.
+struct Prepared {
+  Regression regression;
+  Eigen::VectorXd torque;
+  int joints = 0;
+};
+
+Prepared prepare(const Recording& recording, const app::ModelDescription& model) {
   const Dataset data(std::span(&recording, 1), kCoarse);
-  Regression regression = regressionOf(data, model);
-  Eigen::VectorXd torque = data.driveTorque();
+  return {.regression = regressionOf(data, model), .torque = data.driveTorque(), .joints = data.joints()};
+}
+
+// `factors` of the joints' torques; none: as they are.
+Reading read(const Prepared& prepared, std::span<const double> factors = {}) {
+  Eigen::VectorXd torque = prepared.torque;
+  Eigen::MatrixXd columns = prepared.regression.columns;
+  const Eigen::Index rows = torque.size() / prepared.joints;
   // Every joint counts the same, however small its torque.
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const Eigen::Index first = joint * data.rows();
-    const double size = std::max(1e-12, torque.segment(first, data.rows()).norm());
-    torque.segment(first, data.rows()) /= size;
-    regression.columns.middleRows(first, data.rows()) /= size;
+  for (int joint = 0; joint < prepared.joints; ++joint) {
+    const Eigen::Index first = joint * rows;
+    torque.segment(first, rows) *= factors.empty() ? 1.0 : factors[static_cast<std::size_t>(joint)];
+    const double size = std::max(1e-12, torque.segment(first, rows).norm());
+    torque.segment(first, rows) /= size;
+    columns.middleRows(first, rows) /= size;
   }
-  const auto error = [&](Eigen::Index columns, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
-    const Eigen::MatrixXd used = regression.columns.leftCols(columns);
+  const auto error = [&](Eigen::Index count, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+    const Eigen::MatrixXd used = columns.leftCols(count);
     const Eigen::VectorXd x = solveWithin(used, lower, upper, torque);
-    return (torque - used * x).norm() / std::sqrt(static_cast<double>(data.joints()));
+    return (torque - used * x).norm() / std::sqrt(static_cast<double>(prepared.joints));
   };
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(regression.own);
+  const Regression& all = prepared.regression;
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(all.own);
   Reading reading;
-  reading.error = error(regression.own, (1.0 - kOwnRange) * ones, (1.0 + kOwnRange) * ones);
-  reading.error_with_effects = error(regression.columns.cols(), regression.lower, regression.upper);
+  reading.error = error(all.own, (1.0 - kOwnRange) * ones, (1.0 + kOwnRange) * ones);
+  reading.error_with_effects = error(columns.cols(), all.lower, all.upper);
   return reading;
 }
 
@@ -127,12 +142,18 @@ bool isRevolute(const app::ModelDescription& model) {
   return !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
 }
 
-std::vector<Reading> otherReadings(const Recording& recording, const app::ModelDescription& model) {
+std::vector<Reading> otherReadings(const Recording& recording, const Prepared& given,
+                                   const app::ModelDescription& model) {
   std::vector<Reading> all;
   for (const Mistake& mistake : mistakes(recording.joints, isRevolute(model))) {
-    Recording corrected = recording;
-    mistake.correct(corrected);
-    Reading reading = readingOf(corrected, model);
+    Reading reading;
+    if (mistake.torque_factor.empty()) {
+      Recording corrected = recording;
+      mistake.correct(corrected);
+      reading = read(prepare(corrected, model));
+    } else {
+      reading = read(given, mistake.torque_factor);
+    }
     reading.mistake = mistake.mistake;
     reading.change = mistake.change;
     all.push_back(std::move(reading));
@@ -222,16 +243,46 @@ void requireSignals(const Recording& recording, const app::ModelDescription& mod
   requireLength(recording);
 }
 
-void requireAngles(const Recording& recording) {
+// Of angles that are no radians.
+const char* likelyUnit(double angle) {
+  constexpr double kPerTurnDegrees = 360.0, kPerTurnMilliradians = 2000.0 * std::numbers::pi;
+  constexpr double kTurns = kLargestAngle_rad / (2.0 * std::numbers::pi);
+  return angle <= kTurns * kPerTurnDegrees        ? "degrees"
+         : angle <= kTurns * kPerTurnMilliradians ? "milliradians or counts of an encoder"
+                                                  : "counts of an encoder";
+}
+
+// The band that the motion takes, as far as differences between samples tell it.
+void requireRate(const Recording& recording) {
+  const double needed_Hz = motionBand_Hz(std::span(&recording, 1)) / kBandShareOfRate;
+  if (recording.rate_Hz < needed_Hz) {
+    refuse(recording,
+           fmt::format("sampled at {:.3g} Hz, which is too slow for accelerations; at least {:.0f} Hz are "
+                       "needed for this motion; or is time not in seconds?",
+                       recording.rate_Hz, std::ceil(needed_Hz)));
+  }
+}
+
+// A machine may turn round and round, but not by what the model explains better as another unit.
+void requireAngles(const Recording& recording, const app::ModelDescription& model) {
+  Recording corrected = recording;
+  std::string beyond;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     const auto& q = recording.position_rad[j];
     const auto farthest =
         std::max_element(q.begin(), q.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     if (std::abs(*farthest) > kLargestAngle_rad) {
-      refuse(recording,
-             fmt::format("q{}_rad is {:.4g} at {:.4g} s, expected within ±4π rad; is it in degrees?", j + 1,
-                         *farthest, recording.time_s[static_cast<std::size_t>(farthest - q.begin())]));
+      for (double& value : corrected.position_rad[j]) {
+        value *= std::numbers::pi / 180.0;
+      }
+      beyond = fmt::format("q{}_rad is {:.4g} at {:.4g} s, expected within ±4π rad; is it in {}?", j + 1,
+                           *farthest, recording.time_s[static_cast<std::size_t>(farthest - q.begin())],
+                           likelyUnit(std::abs(*farthest)));
     }
+  }
+  if (!beyond.empty() && (recording.is_static ||
+                          read(prepare(corrected, model)).error < read(prepare(recording, model)).error)) {
+    refuse(recording, beyond);
   }
 }
 
@@ -255,11 +306,12 @@ std::string lookOf(std::span<const Reading> mistakes, const Reading& best) {
 }
 
 void requireBelonging(const Recording& recording, const app::ModelDescription& model) {
-  const Reading given = readingOf(recording, model);
+  const Prepared prepared = prepare(recording, model);
+  const Reading given = read(prepared);
   if (given.error <= kBelongs) {
     return;
   }
-  const std::vector<Reading> others = otherReadings(recording, model);
+  const std::vector<Reading> others = otherReadings(recording, prepared, model);
   const Reading& best = *std::min_element(others.begin(), others.end(),
                                           [](const auto& a, const auto& b) { return a.error < b.error; });
   if (best.error < kExplained && best.error < kFarBetter * given.error &&
@@ -274,20 +326,25 @@ void requireBelonging(const Recording& recording, const app::ModelDescription& m
 }  // namespace
 
 std::vector<Reading> readings(const Recording& recording, const app::ModelDescription& model) {
-  std::vector<Reading> all = otherReadings(recording, model);
-  all.insert(all.begin(), readingOf(recording, model));
+  const Prepared prepared = prepare(recording, model);
+  std::vector<Reading> all = otherReadings(recording, prepared, model);
+  all.insert(all.begin(), read(prepared));
   return all;
 }
 
 void requirePlausible(std::span<const Recording> recordings, const app::ModelDescription& model) {
   for (const Recording& recording : recordings) {
     requireSignals(recording, model);
+    if (!recording.is_static) {
+      requireRate(recording);
+    }
     if (isRevolute(model)) {
-      requireAngles(recording);
+      requireAngles(recording, model);
     }
     // At rest a model may explain next to nothing: what is measured there are effects.
     if (!recording.is_static) {
       requireBelonging(recording, model);
+      requireTorqueUnits(recording, model);
     }
   }
 }

@@ -26,8 +26,9 @@ struct Reading {
 std::vector<Reading> readings(const Recording& recording, const app::ModelDescription& model);
 
 /// Throws std::invalid_argument, naming recording, signal, value and expectation: other joints than the
-/// model's, values that are not finite, fewer than 200 rows or 2 s (10 postures at rest), angles beyond ±4π,
-/// and signals that the model explains far better when they are read in another way.
+/// model's, values that are not finite, fewer than 200 rows or 2 s (10 postures at rest), a rate too low for
+/// the motion, angles beyond ±4π that the model explains no worse as degrees, signals that the model explains
+/// far better when they are read in another way, and torques whose size only another unit explains.
 void requirePlausible(std::span<const Recording> recordings, const app::ModelDescription& model);
 
 }  // namespace patella::diagnose

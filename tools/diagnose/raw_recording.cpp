@@ -1,6 +1,13 @@
 #include "tools/diagnose/raw_recording.hpp"
 
+#include <fmt/format.h>
+
 namespace patella::diagnose {
+
+std::string placeOf(const RawRecording& recording, std::size_t row) {
+  return recording.line.empty() ? fmt::format("{}: sample {}", recording.name, row + 1)
+                                : fmt::format("{}:{}", recording.name, recording.line[row]);
+}
 
 void keepRows(RawRecording& recording, std::span<const std::size_t> rows) {
   const auto keep = [&](auto& values) {

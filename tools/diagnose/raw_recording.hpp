@@ -22,7 +22,8 @@ struct RawRecording {
   bool is_static = false;
   /// Of the recording's own clock; where it is absent, the median step tells it.
   std::optional<double> rate_Hz;
-  std::vector<double> stamp_s;  ///< empty for a table of postures
+  std::string time_name = "t_s";  ///< of the column of stamps, for messages
+  std::vector<double> stamp_s;    ///< empty for a table of postures
   /// Line of the file at which each row stands, for messages; empty where rows are no lines.
   std::vector<std::size_t> line;
   /// As in Recording; a cell that held nothing is NaN.
@@ -53,6 +54,9 @@ struct RawRecording {
     group(recording.emg_mV, "EMG channel");
   }
 };
+
+/// Where a row stands, for messages: "run.csv:12", or "frames.log: sample 11".
+std::string placeOf(const RawRecording& recording, std::size_t row);
 
 /// Keeps the rows whose numbers are in `rows`, which increase.
 void keepRows(RawRecording& recording, std::span<const std::size_t> rows);

@@ -24,10 +24,10 @@ Motion motionOf(const Dataset& data, const model::Mechanism& mechanism, int join
       low = std::min(low, state.q[joint]);
       high = std::max(high, state.q[joint]);
       motion.inertia += mechanism.inertia(state.q)(joint, joint);
-      motion.duration_s = data.isStatic() ? 0.0 : std::max(motion.duration_s, state.time_s);
     }
     count += static_cast<double>(series.states.size());
   }
+  motion.duration_s = data.isStatic() ? 0.0 : data.time_s().maxCoeff() - data.time_s().minCoeff();
   motion.velocity_rms = std::sqrt(velocity / count);
   motion.torque_rms = std::sqrt(torque / count);
   motion.lowest_position = low;

@@ -43,10 +43,15 @@ double fastestTremor_Hz(const Motion& motion) {
   return std::min(12.0, kBeyondEdge * motion.band_Hz);
 }
 
+/// The phase of no tremor holds for so long; of a longer recording a line is found by its power alone
+/// (tremor_line.hpp).
+constexpr double kLongestInPhase_s = 60.0;
+
 Recipe tremor(const Motion& motion) {
   // Finer than the width of a line of this length, which would fall between two points.
+  const double step_Hz = 0.6 / std::min(motion.duration_s, kLongestInPhase_s);
   return oscillation("tremor", motion, "frequency_Hz",
-                     range(kSlowestTremor_Hz, fastestTremor_Hz(motion), 0.6 / motion.duration_s));
+                     range(kSlowestTremor_Hz, fastestTremor_Hz(motion), step_Hz));
 }
 
 Recipe spasticity(const Motion& motion, double direction) {

@@ -46,14 +46,12 @@ RawRecording readFrames(const std::filesystem::path& log, const RecordingOptions
 }
 
 RawRecording readTable(const std::filesystem::path& file, const RecordingOptions& options) {
-  const std::string text = app::readFile(file, files::kRecordingText);
-  const std::string name = file.string();
   if (options.columns) {
-    return readMappedColumns(text, name, options.joints, loadColumnMap(*options.columns));
+    return readMappedColumns(file, options.joints, loadColumnMap(*options.columns));
   }
-  return isLoopTable(text)
-             ? readLoopTable(text, name, options.joints, options.torque_timing == TorqueTiming::kSampled)
-             : readNamedColumns(text, name, options.joints);
+  return isLoopTable(file)
+             ? readLoopTable(file, options.joints, options.torque_timing == TorqueTiming::kSampled)
+             : readNamedColumns(file, options.joints);
 }
 
 }  // namespace
@@ -65,7 +63,7 @@ Recording loadRecording(const std::filesystem::path& path, const RecordingOption
   RawRecording raw = isLog(file) ? readFrames(file, options) : readTable(file, options);
   raw.torque_timing = options.torque_timing.value_or(raw.torque_timing);
   raw.torque_timing_assumed = raw.torque_timing_assumed && !options.torque_timing;
-  Recording recording = makeUniform(raw);
+  Recording recording = makeUniform(std::move(raw));
   recording.sha256 = std::move(sha256);
   return recording;
 }

@@ -56,7 +56,7 @@ class RivalSearch {
   double gain() const { return gain_; }
 
   std::vector<std::string> labels(const Atoms& atoms) const {
-    const Screening screening(fitter_.data(), smaller_, atoms.items, atoms.columns,
+    const Screening screening(fitter_.data(), smaller_, atoms,
                               {.replicates = kRivalReplicates, .seed = seed_});
     std::vector<Candidate> candidates = rank(atoms, screening, cost_);
     const std::string own = own_.label();

@@ -27,6 +27,10 @@ Eigen::MatrixXd oscillationColumns(const Dataset& data, int joint, double freque
   return columns;
 }
 
+bool isOscillation(const Atom& atom) {
+  return atom.recipe != nullptr && atom.recipe->kind == "tremor";
+}
+
 // Of the columns, what is not spanned already; `before` are their squared lengths before the fit's share was
 // taken out.
 std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::MatrixXd>& columns,
@@ -57,22 +61,21 @@ Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::MatrixXd>& columns, c
 // Residuals drawn from a fit's noise, weighted; below them the priors' rows.
 Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int count, std::mt19937_64& random) {
   const NoiseProcess process(data, fit.residual);
-  Eigen::MatrixXd raw(data.rows() * data.joints(), count);
+  const Eigen::Index rows = fit.weighting->rows() * data.joints();
+  Eigen::MatrixXd draws(rows + fit.prior_weight.size(), count);
   for (int r = 0; r < count; ++r) {
-    raw.col(r) = process.draw(random);
+    draws.col(r).head(rows) = fit.weighting->apply(process.draw(random));
   }
-  const Eigen::MatrixXd weighted = fit.weighting->apply(raw);
   std::normal_distribution<double> normal;
-  Eigen::MatrixXd draws(weighted.rows() + fit.prior_weight.size(), count);
-  draws.topRows(weighted.rows()) = weighted;
   for (Eigen::Index r = 0; r < count; ++r) {
-    for (Eigen::Index i = weighted.rows(); i < draws.rows(); ++i) {
+    for (Eigen::Index i = rows; i < draws.rows(); ++i) {
       draws(i, r) = fit.prior_scale * normal(random);
     }
   }
   return draws;
 }
 
+constexpr Eigen::Index kColumnsAtATime = 64;
 constexpr Eigen::Index kClusters = 40;
 /// The variance of a sum of products of two Gaussian processes is at most twice as large where they go
 /// together (Isserlis); what varies more is something missing that shows here and there, such as a contact.
@@ -130,80 +133,116 @@ double withMotion(const ScreenedGroup& group, double unit) {
   return std::clamp(group.seen_in_time, unit, kMostByMotion * unit);
 }
 
+Eigen::MatrixXd Atoms::of(const Atom& atom) const {
+  return isOscillation(atom) ? oscillationColumns(*data, atom.joint, atom.nu.front())
+                             : Eigen::MatrixXd(columns.middleCols(atom.first, atom.count));
+}
+
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes) {
-  Atoms atoms;
+  Atoms atoms{.items = {}, .columns = {}, .data = &fitter.data()};
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index total = 0;
   for (const auto& recipe : recipes) {
     for (const std::vector<double>& nu : recipe->grid) {
-      parts.push_back(recipe->kind == "tremor" ? oscillationColumns(fitter.data(), recipe->joint, nu.front())
-                                               : fitter.basis(*recipe, nu));
-      atoms.items.push_back(
-          {.recipe = recipe,
-           .nu = nu,
-           .label = recipe->label(),
-           .joint = recipe->joint,
-           .first = total,
-           .count = parts.back().cols(),
-           .nonlinear = static_cast<int>(nu.size()) - (recipe->coefficients() == 0 ? 1 : 0)});
-      total += parts.back().cols();
+      Atom atom{.recipe = recipe,
+                .nu = nu,
+                .label = recipe->label(),
+                .joint = recipe->joint,
+                .first = total,
+                .count = static_cast<Eigen::Index>(recipe->coefficients()),
+                .nonlinear = static_cast<int>(nu.size()) - (recipe->coefficients() == 0 ? 1 : 0)};
+      if (!isOscillation(atom)) {
+        parts.push_back(fitter.basis(*recipe, nu));
+        atom.count = parts.back().cols();
+        total += atom.count;
+      }
+      atoms.items.push_back(std::move(atom));
     }
   }
   atoms.columns.resize(fitter.data().rows() * fitter.data().joints(), total);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    atoms.columns.middleCols(atoms.items[i].first, atoms.items[i].count) = parts[i];
+  Eigen::Index first = 0;
+  for (Eigen::MatrixXd& part : parts) {
+    atoms.columns.middleCols(first, part.cols()) = part;
+    first += part.cols();
+    part.resize(0, 0);
   }
   return atoms;
 }
 
-Screening::Screening(const Dataset& data, const ModelFit& fit, std::span<const Atom> atoms,
-                     const Eigen::MatrixXd& columns, const ScreeningOptions& options) {
-  explained_ = takenUp(fit, fit.prior_weight, options.nuisance);
+Screening::Screening(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+                     const ScreeningOptions& options)
+    : explained_(takenUp(fit, fit.prior_weight, options.nuisance)) {
   const Eigen::VectorXd white = fit.weighting->apply(fit.residual);
   Eigen::VectorXd residual = Eigen::VectorXd::Zero(explained_.rows());
   residual.head(white.size()) = white;
   residual.tail(fit.prior_residual.size()) = fit.prior_residual;
   residual -= explained_ * (explained_.transpose() * residual);
 
-  Eigen::MatrixXd work = Eigen::MatrixXd::Zero(explained_.rows(), columns.cols());
-  work.topRows(white.size()) = fit.weighting->apply(columns);
-  const Eigen::VectorXd before = work.colwise().squaredNorm();
-  work -= explained_ * (explained_.transpose() * work);
-
-  basis_.resize(work.rows(), work.cols());
+  Eigen::Index total = 0;
+  for (const Atom& atom : atoms.items) {
+    total += atom.count;
+  }
+  basis_.resize(explained_.rows(), total);
   Eigen::Index used = 0;
-  for (std::size_t a = 0; a < atoms.size(); ++a) {
-    const Atom& atom = atoms[a];
-    const auto group = work.middleCols(atom.first, atom.count);
-    const std::vector<Eigen::VectorXd> kept = orthonormalised(group, before.segment(atom.first, atom.count));
-    const bool one_sided = atom.count == 1 && atom.recipe != nullptr &&
-                           (atom.recipe->coefficients() == 0 || atom.recipe->nonnegative[0]);
-    Screened result{.atom = a,
-                    .raw_gain = 0.0,
-                    .gain = 0.0,
-                    .wrong_sign = false,
-                    .dimensions = 0,
-                    .c = Eigen::VectorXd::Zero(atom.count)};
-    if (!kept.empty()) {
-      result.dimensions = static_cast<int>(kept.size()) + atom.nonlinear;
-      result.c = coefficients(group, before.segment(atom.first, atom.count), residual);
+  for (std::size_t first = 0; first < atoms.items.size();) {
+    // So many at a time: weighting and projection are products of matrices, and all of them at once would
+    // take several times the memory of the basis.
+    std::size_t end = first;
+    Eigen::Index count = 0;
+    while (end < atoms.items.size() && count < kColumnsAtATime) {
+      count += atoms.items[end++].count;
     }
-    groups_.push_back({.first = used,
-                       .count = static_cast<Eigen::Index>(kept.size()),
-                       .dimensions = result.dimensions,
-                       .one_sided = one_sided});
-    if (options.goes_with_motion && !kept.empty()) {
-      groups_.back().seen_in_time = clusteredVariance(kept, residual.head(white.size()), data.joints());
+    Eigen::MatrixXd raw(data.rows() * data.joints(), count);
+    Eigen::Index column = 0;
+    for (std::size_t a = first; a < end; ++a) {
+      raw.middleCols(column, atoms.items[a].count) = atoms.of(atoms.items[a]);
+      column += atoms.items[a].count;
     }
-    for (const Eigen::VectorXd& unit : kept) {
-      result.raw_gain += std::pow(unit.dot(residual), 2);
-      basis_.col(used++) = unit.cast<float>();  // a single column keeps its sign, for one-sided tests
+    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(explained_.rows(), count);
+    work.topRows(white.size()) = fit.weighting->apply(raw);
+    const Eigen::VectorXd before = work.colwise().squaredNorm();
+    work -= explained_ * (explained_.transpose() * work);
+    column = 0;
+    for (; first < end; ++first) {
+      const Eigen::Index width = atoms.items[first].count;
+      screen(atoms.items[first], first, work.middleCols(column, width), before.segment(column, width),
+             {.residual = residual, .white_rows = white.size(), .joints = data.joints()}, options, used);
+      column += width;
     }
-    result.wrong_sign = one_sided && result.c[0] < 0.0;
-    results_.push_back(std::move(result));
   }
   basis_.conservativeResize(Eigen::NoChange, used);
   drawChance(data, fit, options);
+}
+
+void Screening::screen(const Atom& atom, std::size_t index, const Eigen::Ref<const Eigen::MatrixXd>& group,
+                       const Eigen::VectorXd& before, const Left& left, const ScreeningOptions& options,
+                       Eigen::Index& used) {
+  const std::vector<Eigen::VectorXd> kept = orthonormalised(group, before);
+  const bool one_sided = atom.count == 1 && atom.recipe != nullptr &&
+                         (atom.recipe->coefficients() == 0 || atom.recipe->nonnegative[0]);
+  Screened result{.atom = index,
+                  .raw_gain = 0.0,
+                  .gain = 0.0,
+                  .wrong_sign = false,
+                  .dimensions = 0,
+                  .c = Eigen::VectorXd::Zero(atom.count)};
+  if (!kept.empty()) {
+    result.dimensions = static_cast<int>(kept.size()) + atom.nonlinear;
+    result.c = coefficients(group, before, left.residual);
+  }
+  groups_.push_back({.first = used,
+                     .count = static_cast<Eigen::Index>(kept.size()),
+                     .dimensions = result.dimensions,
+                     .one_sided = one_sided});
+  if (options.goes_with_motion && !kept.empty()) {
+    groups_.back().seen_in_time = clusteredVariance(kept, left.residual.head(left.white_rows), left.joints);
+  }
+  for (const Eigen::VectorXd& unit : kept) {
+    result.raw_gain += std::pow(unit.dot(left.residual), 2);
+    basis_.col(used++) = unit.cast<float>();  // a single column keeps its sign, for one-sided tests
+  }
+  result.wrong_sign = one_sided && result.c[0] < 0.0;
+  results_.push_back(std::move(result));
 }
 
 void Screening::drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options) {

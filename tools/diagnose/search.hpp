@@ -25,6 +25,17 @@ struct Atom {
   int nonlinear = 0;  ///< parameters beyond the columns' coefficients, which the search over atoms fits
 };
 
+/// Atoms and their columns.
+struct Atoms {
+  std::vector<Atom> items;
+  /// Side by side, but for those of oscillations: thousands of frequencies are worked out when they are
+  /// asked for.
+  Eigen::MatrixXd columns;
+  const Dataset* data = nullptr;  ///< whose rows the oscillations have; outlives the atoms
+
+  Eigen::MatrixXd of(const Atom& atom) const;
+};
+
 /// What an atom would explain beyond the fit.
 struct Screened {
   std::size_t atom = 0;
@@ -61,9 +72,7 @@ double withMotion(const ScreenedGroup& group, double unit);
 /// same sum in residuals drawn from the fit's noise: drawn, filtered and projected like the recording itself.
 class Screening {
  public:
-  /// `columns` of all atoms side by side.
-  Screening(const Dataset& data, const ModelFit& fit, std::span<const Atom> atoms,
-            const Eigen::MatrixXd& columns, const ScreeningOptions& options);
+  Screening(const Dataset& data, const ModelFit& fit, const Atoms& atoms, const ScreeningOptions& options);
 
   const std::vector<Screened>& results() const noexcept { return results_; }
 
@@ -80,6 +89,15 @@ class Screening {
   Eigen::VectorXf products(const Eigen::VectorXd& rows) const;
 
  private:
+  /// What the fit leaves, weighted, over the rows of the recording and below them those of the priors.
+  struct Left {
+    const Eigen::VectorXd& residual;
+    Eigen::Index white_rows;
+    int joints;
+  };
+  void screen(const Atom& atom, std::size_t index, const Eigen::Ref<const Eigen::MatrixXd>& group,
+              const Eigen::VectorXd& before, const Left& left, const ScreeningOptions& options,
+              Eigen::Index& used);
   void drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options);
 
   Eigen::MatrixXd explained_;  ///< orthonormal basis of the tangent, weighted, with the priors' rows below
@@ -106,11 +124,6 @@ double redundancy(const Dataset& data, const ModelFit& fit, std::uint64_t seed);
 Eigen::MatrixXd parameterCovariance(const Dataset& data, const ModelFit& fit, int replicates,
                                     std::uint64_t seed);
 
-/// Atoms of recipes, and their columns.
-struct Atoms {
-  std::vector<Atom> items;
-  Eigen::MatrixXd columns;
-};
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes);
 
 /// Share of `values` that reach `observed`, counting the observation itself: never 0.

@@ -91,7 +91,7 @@ class Looker {
       return known->second;
     }
     const Atom& item = atoms_.items[atom];
-    const auto columns = atoms_.columns.middleCols(item.first, item.count);
+    const Eigen::MatrixXd columns = atoms_.of(item);
     Shape shape;
     shape.all.resize(free_.rows(), free_.cols() + columns.cols());
     shape.all.leftCols(free_.cols()) = free_;

@@ -65,7 +65,7 @@ class Selector {
   bool forward() {
     const ModelFit& current = result_.fit;
     const Screening screening(
-        fitter_.data(), current, atoms_.items, atoms_.columns,
+        fitter_.data(), current, atoms_,
         {.replicates = options_.replicates, .seed = options_.seed + 7919 * result_.steps.size()});
     std::vector<Candidate> candidates = rank(atoms_, screening, cost_);
     std::erase_if(candidates,

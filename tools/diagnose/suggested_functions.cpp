@@ -164,7 +164,7 @@ void FunctionAtoms::add(const std::string& label, int joint, std::span<const Eig
 }
 
 Atoms FunctionAtoms::finished() && {
-  Atoms atoms{.items = std::move(items_), .columns = {}};
+  Atoms atoms{.items = std::move(items_), .columns = {}, .data = data_};
   atoms.columns.resize(data_->rows() * data_->joints(), static_cast<Eigen::Index>(columns_.size()));
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     atoms.columns.col(static_cast<Eigen::Index>(k)) = columns_[k];

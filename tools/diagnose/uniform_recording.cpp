@@ -4,13 +4,17 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/time_base.hpp"
+#include "tools/diagnose/outliers.hpp"
 #include "tools/diagnose/recorded_emg.hpp"
 #include "tools/diagnose/sample_clock.hpp"
+#include "tools/diagnose/time_units.hpp"
+#include "tools/diagnose/torque_clipping.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -28,11 +32,6 @@ constexpr double kRoundingOfRate = 0.002;
 /// Of the rows: with more without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;
 
-std::string place(const RawRecording& raw, std::size_t row) {
-  return raw.line.empty() ? fmt::format("{}: sample {}", raw.name, row + 1)
-                          : fmt::format("{}:{}", raw.name, raw.line[row]);
-}
-
 /// Name of the first signal without a value in the row, or nothing.
 std::string missingIn(const RawRecording& raw, std::size_t row) {
   std::string missing;
@@ -47,32 +46,38 @@ std::string missingIn(const RawRecording& raw, std::size_t row) {
   return missing;
 }
 
-/// Without the rows that lack a value: those at the ends, and lost samples between.
-RawRecording completeRows(const RawRecording& raw) {
+bool isComplete(const RawRecording& raw, std::size_t row) {
+  bool complete = raw.stamp_s.empty() || std::isfinite(raw.stamp_s[row]);
+  RawRecording::forEachSignal(raw, [&](const std::string&, const std::vector<double>& values) {
+    complete = complete && std::isfinite(values[row]);
+  });
+  return complete;
+}
+
+/// Takes out the rows that lack a value: those at the ends, and lost samples between.
+void keepCompleteRows(RawRecording& raw) {
   std::vector<std::size_t> complete;
   std::size_t first_missing = 0;
   for (std::size_t row = 0; row < raw.rows(); ++row) {
-    if (missingIn(raw, row).empty()) {
+    if (isComplete(raw, row)) {
       complete.push_back(row);
     } else if (!complete.empty() && first_missing == 0) {
       first_missing = row;
     }
   }
-  RawRecording kept = raw;
-  keepRows(kept, complete);
-  if (complete.empty() || first_missing == 0 || first_missing > complete.back()) {
-    return kept;
+  if (!complete.empty() && first_missing != 0 && first_missing < complete.back()) {
+    const std::size_t between = complete.back() - complete.front() + 1;
+    const std::size_t lost = between - complete.size();
+    if (static_cast<double>(lost) > kMostIncomplete * static_cast<double>(between)) {
+      throw FileError(
+          fmt::format("{}: {} has no value, as in {} of {} rows, expected at most {:.0f} % of rows without",
+                      placeOf(raw, first_missing), missingIn(raw, first_missing), lost, between,
+                      100.0 * kMostIncomplete));
+    }
+    raw.warnings.push_back(fmt::format("{} rows without a value were taken as lost, the first at {}", lost,
+                                       placeOf(raw, first_missing)));
   }
-  const std::size_t between = complete.back() - complete.front() + 1;
-  const std::size_t lost = between - complete.size();
-  if (static_cast<double>(lost) > kMostIncomplete * static_cast<double>(between)) {
-    throw FileError(fmt::format(
-        "{}: {} has no value, as in {} of {} rows, expected at most {:.0f} % of rows without",
-        place(raw, first_missing), missingIn(raw, first_missing), lost, between, 100.0 * kMostIncomplete));
-  }
-  kept.warnings.push_back(fmt::format("{} rows without a value were taken as lost, the first at {}", lost,
-                                      place(raw, first_missing)));
-  return kept;
+  keepRows(raw, complete);
 }
 
 void requireRows(const RawRecording& raw, std::size_t rows, std::size_t fewest) {
@@ -95,7 +100,7 @@ Instants instantsOf(const RawRecording& raw) {
       if (stamp_s < instants.stamp_s.back()) {
         throw FileError(
             fmt::format("{}: time {} s comes after {} s in the row before, expected it to increase",
-                        place(raw, row), stamp_s, instants.stamp_s.back()));
+                        placeOf(raw, row), stamp_s, instants.stamp_s.back()));
       }
       instants.rows.back().end = row + 1;
       continue;
@@ -273,31 +278,6 @@ std::vector<double> joined(const std::vector<double>& values, const std::vector<
   return result;
 }
 
-/// A torque that sits at its highest or lowest value, and hardly ever near it, is cut off there.
-void warnOfClipping(const std::vector<double>& torque, std::size_t joint,
-                    std::vector<std::string>& warnings) {
-  constexpr double kShare = 0.01;
-  constexpr std::size_t kPileUp = 5;
-  std::vector<double> sorted = torque;
-  std::sort(sorted.begin(), sorted.end());
-  if (sorted.front() == sorted.back()) {
-    return;
-  }
-  const auto look = [&](auto begin, auto end) {
-    const auto next = std::find_if(begin, end, [&](double value) { return value != *begin; });
-    const auto after = std::find_if(next, end, [&](double value) { return value != *next; });
-    const auto count = static_cast<std::size_t>(next - begin);
-    const double share = static_cast<double>(count) / static_cast<double>(sorted.size());
-    if (share > kShare && count > kPileUp * static_cast<std::size_t>(after - next) && *begin != 0.0) {
-      warnings.push_back(
-          fmt::format("torque of joint {} is clipped at {:.4g} N·m in {:.1f} % of the recording", joint + 1,
-                      *begin, 100.0 * share));
-    }
-  };
-  look(sorted.begin(), sorted.end());
-  look(sorted.rbegin(), sorted.rend());
-}
-
 void fillEmg(const RawRecording& raw, const Instants& instants, const std::vector<Stretch>& stretches,
              Recording& recording) {
   EmgChannels emg_mV;
@@ -317,12 +297,54 @@ void fillEmg(const RawRecording& raw, const Instants& instants, const std::vecto
   }
 }
 
+/// Each signal is let go once it has been read: an hour of them is hundreds of megabytes.
+void fillJoints(RawRecording& raw, const Instants& instants, const std::vector<Stretch>& stretches,
+                Recording& recording) {
+  const auto taken = [&](std::vector<double>& values) {
+    return averaged(std::exchange(values, {}), instants);
+  };
+  const Interpolation of_torque =
+      raw.torque_timing == TorqueTiming::kHeld ? Interpolation::kHold : Interpolation::kLinear;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
+    const std::vector<double> torque = taken(raw.torque_Nm[j]);
+    warnOfClipping(torque, j, recording.warnings);
+    recording.torque_Nm[j] = joined(torque, stretches, of_torque);
+    recording.position_rad[j] = joined(taken(raw.position_rad[j]), stretches, Interpolation::kCubic);
+    if (!raw.velocity_rad_s[j].empty()) {
+      recording.velocity_rad_s[j] = joined(taken(raw.velocity_rad_s[j]), stretches, Interpolation::kCubic);
+    }
+    if (!raw.commanded_Nm[j].empty()) {
+      recording.commanded_Nm[j] = joined(taken(raw.commanded_Nm[j]), stretches, Interpolation::kHold);
+    }
+  }
+}
+
+/// Rows that may be relied on, in seconds from the first of them.
+Instants judgedInstants(RawRecording& raw) {
+  Instants instants = instantsOf(raw);
+  requireRows(raw, instants.stamp_s.size(), kFewestRows);
+  if (!raw.rate_Hz) {
+    requireSeconds(raw, instants.stamp_s);
+  }
+  const std::size_t rows = raw.rows();
+  dropOutliers(raw);
+  if (raw.rows() < rows) {
+    instants = instantsOf(raw);
+    requireRows(raw, instants.stamp_s.size(), kFewestRows);
+  }
+  const double start_s = instants.stamp_s.front();
+  for (double& stamp_s : instants.stamp_s) {
+    stamp_s -= start_s;
+  }
+  return instants;
+}
+
 Recording makePostures(const RawRecording& raw, Recording recording) {
   const Segment rows{.first = 0, .end = raw.rows()};
   requireRows(raw, rows.end, kFewestPostures);
   for (std::size_t row = 0; row < raw.rows(); ++row) {
     if (const std::string missing = missingIn(raw, row); !missing.empty()) {
-      throw FileError(place(raw, row) + ": " + missing + " has no value, expected one in every posture");
+      throw FileError(placeOf(raw, row) + ": " + missing + " has no value, expected one in every posture");
     }
   }
   recording.rate_Hz = 1.0;
@@ -339,22 +361,21 @@ Recording makePostures(const RawRecording& raw, Recording recording) {
 
 }  // namespace
 
-Recording makeUniform(const RawRecording& recorded) {
+Recording makeUniform(RawRecording raw) {
   Recording recording;
-  recording.name = recorded.name;
-  recording.joints = recorded.joints;
-  recording.torque_timing = recorded.torque_timing;
-  recording.torque_timing_assumed = recorded.torque_timing_assumed;
-  recording.is_static = recorded.is_static;
-  if (recorded.is_static) {
-    recording.warnings = recorded.warnings;
-    return makePostures(recorded, std::move(recording));
+  recording.name = raw.name;
+  recording.joints = raw.joints;
+  recording.torque_timing = raw.torque_timing;
+  recording.torque_timing_assumed = raw.torque_timing_assumed;
+  recording.is_static = raw.is_static;
+  if (raw.is_static) {
+    recording.warnings = raw.warnings;
+    return makePostures(raw, std::move(recording));
   }
-  const RawRecording raw = completeRows(recorded);
-  recording.warnings = raw.warnings;
+  keepCompleteRows(raw);
   requireRows(raw, raw.rows(), kFewestRows);
-  const Instants instants = instantsOf(raw);
-  requireRows(raw, instants.stamp_s.size(), kFewestRows);
+  const Instants instants = judgedInstants(raw);
+  recording.warnings = raw.warnings;
   if (const std::size_t repeated = raw.rows() - instants.stamp_s.size(); repeated > 0) {
     recording.warnings.push_back(
         fmt::format("{} rows with the time stamp of the row before were averaged with it", repeated));
@@ -368,23 +389,7 @@ Recording makeUniform(const RawRecording& recorded) {
     recording.time_s.insert(recording.time_s.end(), stretch.grid_s.begin(), stretch.grid_s.end());
   }
   requireRows(raw, recording.rows(), kFewestRows);
-  const Interpolation of_torque =
-      raw.torque_timing == TorqueTiming::kHeld ? Interpolation::kHold : Interpolation::kLinear;
-  for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
-    const std::vector<double> torque = averaged(raw.torque_Nm[j], instants);
-    warnOfClipping(torque, j, recording.warnings);
-    recording.position_rad[j] =
-        joined(averaged(raw.position_rad[j], instants), stretches, Interpolation::kCubic);
-    if (!raw.velocity_rad_s[j].empty()) {
-      recording.velocity_rad_s[j] =
-          joined(averaged(raw.velocity_rad_s[j], instants), stretches, Interpolation::kCubic);
-    }
-    recording.torque_Nm[j] = joined(torque, stretches, of_torque);
-    if (!raw.commanded_Nm[j].empty()) {
-      recording.commanded_Nm[j] =
-          joined(averaged(raw.commanded_Nm[j], instants), stretches, Interpolation::kHold);
-    }
-  }
+  fillJoints(raw, instants, stretches, recording);
   fillEmg(raw, instants, stretches, recording);
   return recording;
 }

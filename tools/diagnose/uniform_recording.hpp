@@ -12,6 +12,6 @@ namespace patella::diagnose {
 /// torques stay until the next. A gap of more than 20 ms (and three samples) begins a new segment, whose time
 /// goes on from its own first stamp; shorter ones are interpolated. What was done is said in the warnings.
 /// Throws app::FileError naming line, signal and expectation.
-Recording makeUniform(const RawRecording& raw);
+Recording makeUniform(RawRecording raw);
 
 }  // namespace patella::diagnose

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -50,10 +51,12 @@ Outcome runProgram(const std::string& executable, const std::vector<std::string>
   posix_spawn_file_actions_destroy(&actions);
   REQUIRE(error == 0);
   int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
+  struct rusage usage {};
+  REQUIRE(wait4(child, &status, 0, &usage) == child);
   return {.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
           .output = app::readFile(output),
-          .errors = app::readFile(errors)};
+          .errors = app::readFile(errors),
+          .peak_MB = 1e-3 * static_cast<double>(usage.ru_maxrss)};
 }
 
 Outcome diagnose(const std::vector<std::string>& arguments) {
@@ -68,7 +71,7 @@ std::set<std::string> listing(const std::filesystem::path& folder) {
   return paths;
 }
 
-std::string kneeCsv(double loss_Nm, double duration_s) {
+std::string kneeCsv(double loss_Nm, double duration_s, double start_s) {
   std::string text = "t_s,q1_rad,tau1_Nm\n";
   constexpr double kRate_Hz = 500.0;
   // The motion is given; the torque that it takes is what the drive held on average over each step.
@@ -85,7 +88,7 @@ std::string kneeCsv(double loss_Nm, double duration_s) {
     const double torque = kInertia_kg_m2 * slope(middle) +
                           kMoment_kg_m * kGravity_m_s2 * std::cos(angle(middle)) +
                           loss_Nm * std::tanh(rate(middle) / 0.02) + wobble;
-    text += fmt::format("{:.4f},{:.7f},{:.6f}\n", t, angle(t), torque);
+    text += fmt::format("{:.4f},{:.7f},{:.6f}\n", start_s + t, angle(t), torque);
   }
   return text;
 }

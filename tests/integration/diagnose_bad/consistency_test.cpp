@@ -1,10 +1,12 @@
 #include "tools/diagnose/consistency.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <doctest/doctest.h>
 
 #include "spoilt_rigs.hpp"
+#include "tools/diagnose/dataset.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
@@ -56,4 +58,42 @@ TEST_CASE("two runs of different machines are not averaged") {
   const Diagnosis diagnosis = diagnosed(std::array{first, named(rig.record(), "heavier.csv")}, rig.model());
   CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
   CHECK(differs(diagnosis));
+}
+
+TEST_CASE("runs that were sampled at different rates come to one rate, and have a common answer") {
+  SpoiltRig rig = rubbingRig("knee", 1);
+  const Recording fast = named(rig.record(), "fast.csv");
+  rig.rig.seed += 1;
+  Recording slow = named(rig.record(), "slow.csv");
+  constexpr std::size_t kEvery = 5;
+  for (auto* signals : {&slow.position_rad, &slow.torque_Nm}) {
+    for (std::size_t i = 0; i * kEvery < slow.time_s.size(); ++i) {
+      (*signals)[0][i] = (*signals)[0][i * kEvery];
+    }
+    (*signals)[0].resize(slow.time_s.size() / kEvery);
+  }
+  for (auto& channel : slow.activation) {
+    channel.clear();
+  }
+  for (std::vector<double>* values : {&slow.velocity_rad_s[0], &slow.commanded_Nm[0]}) {
+    values->clear();
+  }
+  slow.time_s.resize(slow.time_s.size() / kEvery);
+  slow.rate_Hz /= static_cast<double>(kEvery);
+  for (std::size_t i = 0; i < slow.time_s.size(); ++i) {
+    slow.time_s[i] = static_cast<double>(i) / slow.rate_Hz;
+  }
+  slow.segments = {{.first = 0, .end = slow.rows()}};
+  slow.torque_timing = TorqueTiming::kSampled;
+
+  const std::array both{fast, slow};
+  const Dataset data(both, {});
+  REQUIRE(data.blocks().size() == 2);
+  const auto rows = [&](std::size_t block) {
+    return static_cast<double>(data.blocks()[block].end - data.blocks()[block].first);
+  };
+  CHECK(rows(1) == doctest::Approx(rows(0)).epsilon(0.2));
+  const Diagnosis diagnosis = diagnosed(both, rig.model());
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
+  CHECK_FALSE(claimsSomethingElse(diagnosis));
 }

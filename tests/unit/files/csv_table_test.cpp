@@ -81,6 +81,37 @@ TEST_CASE("missing values and other delimiters are a matter of options") {
   CHECK(table.column("q")[3] == 4.0);
 }
 
+TEST_CASE("a file that is read in parts is the same table") {
+  const ScratchFolder folder;
+  for (const char* end : {"\n", "\r\n"}) {
+    // Cells of all lengths, so that parts end anywhere; a line longer than a part; lines without cells.
+    std::string text = std::string("\xEF\xBB\xBF") + "a,text,b" + end;
+    for (int i = 0; i < 60'000; ++i) {
+      text += std::to_string(i) + "," + std::string(i == 30'000 ? 700'000 : i % 7, 'x') + "," +
+              std::to_string(0.5 * i) + end;
+    }
+    text += end;
+    writeFile(folder / "long.csv", text);
+    const CsvTable table = CsvTable::load(folder / "long.csv", {.columns = {"a", "b"}});
+    REQUIRE(table.rows() == 60'000);
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      REQUIRE(table.column("a")[i] == static_cast<double>(i));
+      REQUIRE(table.column("b")[i] == 0.5 * static_cast<double>(i));
+    }
+    writeFile(folder / "hole.csv", text + end + "1,x,2" + end);
+    CHECK(messageOf<FileError>([&] {
+            CsvTable::load(folder / "hole.csv", {.columns = {"a"}});
+          }).ends_with("hole.csv:60002: column 'a': value '', expected a number"));
+  }
+}
+
+TEST_CASE("a column that is taken is no longer in the table") {
+  CsvTable table = CsvTable::parse("a,b\n1,2\n3,4\n", "x.csv");
+  CHECK(table.take("b") == std::vector<double>{2.0, 4.0});
+  CHECK(table.column("b").empty());
+  CHECK(table.rows() == 2);
+}
+
 TEST_CASE("time that stands still or goes back is found, not rejected") {
   const CsvTable table = read("t_s,back,still\n0,0,0\n1,2,1\n2,1,1\n");
   CHECK_FALSE(table.firstNotIncreasing("t_s").has_value());
