@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 
 namespace patella::app {
@@ -21,6 +22,9 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   if (config.backend.kind == BackendKind::kSim) {
     makeRig(config);
   }
+  if (config.rehearsal && config.backend.kind == BackendKind::kCan) {
+    requireVirtual(config.backend.target);
+  }
   fmt::print("configuration\n");
   line(true, true, "configuration", config.path.string());
   line(true, true, "model",
@@ -32,6 +36,9 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
   line(true, true, "weights",
        config.weights ? config.weights_path.string() : "none: the observer alone estimates");
+  if (config.rehearsal) {
+    line(true, true, "rehearsal", "times as for no motor: refused on an interface that leads to a wire");
+  }
 
   HostNeeds needs;
   needs.priority = config.realtime.priority;

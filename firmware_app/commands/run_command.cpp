@@ -17,6 +17,7 @@
 #include "drivers/can/socketcan_bus.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/host_stress.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
@@ -60,6 +61,9 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
   BusBackend backend;
   switch (config.backend.kind) {
     case BackendKind::kCan:
+      if (config.rehearsal) {
+        requireVirtual(config.backend.target);
+      }
       backend.bus = std::make_unique<can::SocketCanBus>(config.backend.target);
       backend.channel = config.backend.target;
       break;
@@ -163,6 +167,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
   }
+  requireUsable(config.realtime.cpus);
   warnOfOwnEffect(config);
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);

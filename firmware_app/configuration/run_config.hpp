@@ -69,6 +69,9 @@ struct RunConfig {
   Backend backend;
   ClockKind clock = ClockKind::kMonotonic;
   double duration_s = 0.0;  ///< 0: until stopped
+  /// Nothing but simulated drives listens: times may be as long as a host needs that is no rig's. Refused on
+  /// an interface that leads to a wire.
+  bool rehearsal = false;
   LoopOptions loop;
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
