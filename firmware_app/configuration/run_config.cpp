@@ -228,7 +228,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   }
   readRigConfig(root.optionalTable("rig"), command_line.rig_model, config);
   if (command_line.seed) {
-    config.rig.seed = *command_line.seed;
+    config.rig.seed = static_cast<std::uint64_t>(*command_line.seed);
   }
   document.finish();
   if (command_line.faults) {

@@ -54,7 +54,7 @@ struct CommandLine {
   std::optional<std::filesystem::path> reference;  ///< a file with what [reference] holds
   std::optional<std::filesystem::path> faults;     ///< what is to go wrong
   bool only_rig = false;                           ///< for a rig as a process of its own
-  std::optional<std::uint64_t> seed;
+  std::optional<std::int64_t> seed;
   bool require_rt = false;
 };
 
