@@ -12,8 +12,8 @@ namespace patella::bounds {
 // clang-format off
 inline constexpr std::array kBusMap{
     rehearsed(number("checks.encoder_timeout_s", "s", 0.0005, 0.02, "a knee at 6 rad/s goes 0.12 rad unseen meanwhile; the drives' own watchdog; a sample period at least"), 1.0),
-    rehearsed(number("checks.drive_timeout_s", "s", 0.0005, 0.05, "torque that nobody reports: a drive sends each 20 ms at least"), 1.0),
-    rehearsed(number("checks.emg_timeout_s", "s", 0.0005, 0.2, "a muscle's torque lasts as long; a sample period at least"), 1.0),
+    rehearsed(number("checks.drive_timeout_s", "s", 0.0005, 0.05, "two frames of a drive that reports each 20 ms; torque is unseen meanwhile"), 1.0),
+    rehearsed(number("checks.emg_timeout_s", "s", 0.0005, 0.2, "as long as a muscle's torque outlasts its signal; a sample period at least"), 1.0),
     number("checks.operator_timeout_s", "s", 0.01, 1, "a cable that fell out holds enable no longer than a hand takes to let go"),
     number("checks.encoder_period_s", "s", 5e-5, 0.02, "20 kHz to 50 Hz, as the loop's rate"),
     number("checks.emg_period_s", "s", 5e-5, 0.02, "20 kHz to 50 Hz: envelopes at least"),

@@ -36,7 +36,7 @@ inline constexpr std::array kLoop{
 inline constexpr std::array kEstimation{
     number("estimation.k_d_1_s", "1/s", 0.1, 10000, "stable to k_d dt = 10 as tested, at 1 kHz; forgets within 10 s"),
     number("estimation.delta_rad_s2", "rad/s²", 1e-3, 10000, "five times what a light arm's coarse encoder pretends"),
-    number("estimation.epsilon", "", 1e-3, 1000, "the fractional power ends what k_d leaves, and is no second k_d"),
+    number("estimation.epsilon", "", 1e-3, 1000, "the fractional power ends what k_d leaves; it is no second k_d"),
     whole("estimation.p0", "", 1, 99, "exponent p0/q0, both odd, p0 < q0"),
     whole("estimation.q0", "", 3, 101, "as above"),
     number("estimation.terminal_linear_1_s", "1/s", 0.1, 10000, "as k_d_1_s"),
@@ -51,7 +51,7 @@ inline constexpr std::array kEstimation{
     number("estimation.position_noise_rad", "rad", 1e-9, 0.1, "finer than 32 bits a turn; worse than a goniometer on skin"),
     number("estimation.velocity_noise_rad_s", "rad/s", 1e-9, 10, "as much as the fastest motion allowed"),
     number("estimation.torque_noise_Nm", "N·m", 1e-9, 150, "as much as the highest torque allowed"),
-    number("estimation.disturbance_density", "N·m or N per √s or s^1.5", 1e-6, 1e5, "50 N·m (limit) within 0.25 µs: nothing is filtered beyond"),
+    number("estimation.disturbance_density", "N·m or N per √s or s^1.5", 1e-6, 1e5, "the usual disturbance_limit, 50, within 0.25 µs: more filters nothing"),
     number("estimation.disturbance_limit", "N·m or N", 1e-3, 2000, "a person's weight with the rig's on the foot"),
     number("estimation.rest_density_Nm", "N·m/√s", 0, 1e5, "as disturbance_density; 0 is without"),
     number("estimation.velocity_cutoff_Hz", "Hz", 0.1, 5000, "half the highest rate; below half the encoder's"),
@@ -89,7 +89,7 @@ inline constexpr std::array kControl{
 };
 
 inline constexpr std::array kSafety{
-    number("safety.torque_Nm", "N·m", 0.001, 150, "half of what a strong adult's knee gives, with a quarter of what injures it"),
+    number("safety.torque_Nm", "N·m", 0.001, 150, "below the 250 that a strong adult's knee extends with"),
     number("safety.torque_rate_Nm_s", "N·m/s", 0.1, 10000, "the highest torque allowed within 15 ms"),
     number("safety.velocity_rad_s", "rad/s", 0.001, 12, "a kick; walking takes a knee to 6"),
     number("safety.q_min_rad", "rad", -kTurn_rad, kTurn_rad, "a turn, wherever zero is"),

@@ -167,7 +167,6 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
   }
-  requireUsable(config.realtime.cpus);
   warnOfOwnEffect(config);
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
