@@ -9,8 +9,8 @@ namespace {
 
 using namespace safety;
 
-void read(const TomlTable& table, const Bound& bound, double& value) {
-  value = number(table, bound, value);
+void read(const TomlTable& table, const Bound& bound, double& value, bool rehearsal = false) {
+  value = number(table, bound, value, rehearsal);
 }
 
 void readPerJoint(const TomlTable& table, const Bound& bound, std::size_t joints, PerJoint& values) {
@@ -21,7 +21,7 @@ void readPerJoint(const TomlTable& table, const Bound& bound, std::size_t joints
 
 }  // namespace
 
-MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints) {
+MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints, bool rehearsal) {
   MonitorSettings settings;
   auto& [encoder, motion, drive, emg, network] = settings;
 
@@ -41,9 +41,9 @@ MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints) {
   drive.enabled = d.boolean("monitor", drive.enabled);
   read(d, boundOf("safety.drive.follow_tolerance"), drive.follow_tolerance);
   read(d, boundOf("safety.drive.response_s"), drive.response_s);
-  read(d, boundOf("safety.drive.follow_time_s"), drive.follow_time_s);
+  read(d, boundOf("safety.drive.follow_time_s"), drive.follow_time_s, rehearsal);
   read(d, boundOf("safety.drive.over_tolerance"), drive.over_tolerance);
-  read(d, boundOf("safety.drive.over_time_s"), drive.over_time_s);
+  read(d, boundOf("safety.drive.over_time_s"), drive.over_time_s, rehearsal);
 
   const TomlTable g = safety.optionalTable("emg");
   read(g, boundOf("safety.emg.flat_mV"), emg.flat_mV);

@@ -174,7 +174,7 @@ void readSafety(const TomlTable& table, RunConfig& config) {
   limits.saturation_timeout_s =
       number(table, boundOf("safety.saturation_timeout_s"), limits.saturation_timeout_s);
   readInteger(table, boundOf("safety.healthy_ticks"), config.tick.healthy_ticks);
-  config.tick.monitors = readMonitors(table, joints);
+  config.tick.monitors = readMonitors(table, joints, config.rehearsal);
   readInteger(table, boundOf("safety.overruns_tolerated"), config.loop.overruns_tolerated, config.rehearsal);
   readInteger(table, boundOf("safety.send_failures_tolerated"), config.loop.send_failures_tolerated,
               config.rehearsal);

@@ -282,7 +282,16 @@ TEST_CASE("a rehearsal may wait longer, and not for ever") {
       CHECK_THROWS_AS(rehearse(beyond(bound, bound.rehearsal_maximum, 1.0)), app::FileError);
     }
   }
-  CHECK(rows == 8);
+  CHECK(rows == 10);
+}
+
+TEST_CASE("a bus map that says nothing of positions bounds them all the same") {
+  const std::string text = "dbc = \"" + std::string(PATELLA_SOURCE_DIR) +
+                           "/drivers/can/patella.dbc\"\n[command]\nmessage = \"TorqueCommand\"\n";
+  const can::BusMap map = app::parseBusDescription(text, "map.toml").map;
+  CHECK(map.position_min_rad == boundOf("checks.position_min_rad").minimum);
+  CHECK(map.position_max_rad == boundOf("checks.position_max_rad").maximum);
+  CHECK(map.position_jump_rad == doctest::Approx(0.12));  // 120 rad/s over 1 ms
 }
 
 TEST_CASE("the document is what patella bounds prints") {

@@ -26,9 +26,9 @@ TEST_CASE("a fit goes no further than a model file may, so that what it finds ca
     }
     const Dataset data(std::array{recording}, DatasetOptions{});
     const app::ModelDescription nominal{
-        .mechanism = model::RevoluteJointParameters{.inertia_kg_m2 = 0.9 * kHighest_kg_m2,
-                                                    .moment_kg_m = kMoment_kg_m,
-                                                    .length_m = 0.4},
+        .mechanism =
+            model::RevoluteJointParameters{
+                .inertia_kg_m2 = 0.9 * kHighest_kg_m2, .moment_kg_m = kMoment_kg_m, .length_m = 0.4},
         .effects = {}};
     ModelFitter fitter(data, nominal, FitOptions{});
     const app::ModelDescription found = fitter.describe(fitter.nominal());

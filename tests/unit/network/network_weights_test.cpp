@@ -67,7 +67,7 @@ TEST_CASE("quantities out of range are refused by name") {
   CHECK(refusal([](NetworkWeights& w) { w.feature_mean.setZero(4); }) ==
         "feature_mean: 4 values, expected 5");
   CHECK(refusal([](NetworkWeights& w) { w.feature_scale[2] = 0.0; }) ==
-        "feature_scale[3] = 0, expected 1e-09 to 1e+06");
+        "feature_scale[3] = 0, expected 1e-09 to 1e+07");
   CHECK(refusal([](NetworkWeights& w) { w.output_scale[0] = -1.0; }).starts_with("output_scale[1] = -1"));
   CHECK(refusal([](NetworkWeights& w) { w.output_mean[0] = std::nan(""); }) ==
         "output_mean[1] = nan, expected -10000 to 10000");

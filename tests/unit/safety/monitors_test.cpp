@@ -362,43 +362,34 @@ TEST_CASE("a network that contradicts the observer is not listened to until it i
 }
 
 TEST_CASE("no monitor can be set so that it does not watch") {
+  constexpr auto above = [](const Bound& bound) { return 1.01 * bound.rehearsal_maximum; };
   const auto refused = [](auto change) {
     MonitorSettings settings;
     change(settings);
     CHECK_THROWS_AS(requireSound(settings), std::invalid_argument);
   };
   CHECK_NOTHROW(requireSound({}));
-  refused([](auto& s) {
-    s.encoder.inconsistency_rad = 1.01 * boundOf("safety.encoder.inconsistency_rad").maximum;
-  });
+  refused([](auto& s) { s.encoder.inconsistency_rad = above(boundOf("safety.encoder.inconsistency_rad")); });
   refused([](auto& s) { s.encoder.inconsistency_rad = kNaN; });
-  refused([](auto& s) { s.encoder.frozen_rad = 1.01 * boundOf("safety.encoder.frozen_rad").maximum; });
-  refused([](auto& s) {
-    s.encoder.consistency_time_s = 1.01 * boundOf("safety.encoder.consistency_time_s").maximum;
-  });
-  refused([](auto& s) {
-    s.motion.unknown_torque_Nm[1] = 1.01 * boundOf("safety.motion.unknown_torque_Nm").maximum;
-  });
-  refused([](auto& s) { s.motion.unknown_time_s = 1.01 * boundOf("safety.motion.unknown_time_s").maximum; });
-  refused([](auto& s) { s.motion.following_rad[0] = 1.01 * boundOf("safety.motion.following_rad").maximum; });
+  refused([](auto& s) { s.encoder.frozen_rad = above(boundOf("safety.encoder.frozen_rad")); });
   refused(
-      [](auto& s) { s.motion.following_time_s = 1.01 * boundOf("safety.motion.following_time_s").maximum; });
-  refused(
-      [](auto& s) { s.drive.follow_tolerance = 1.01 * boundOf("safety.drive.follow_tolerance").maximum; });
-  refused([](auto& s) { s.drive.response_s = 1.01 * boundOf("safety.drive.response_s").maximum; });
-  refused([](auto& s) { s.drive.follow_time_s = 1.01 * boundOf("safety.drive.follow_time_s").maximum; });
-  refused([](auto& s) { s.drive.over_tolerance = 1.01 * boundOf("safety.drive.over_tolerance").maximum; });
-  refused([](auto& s) { s.drive.over_time_s = 1.01 * boundOf("safety.drive.over_time_s").maximum; });
+      [](auto& s) { s.encoder.consistency_time_s = above(boundOf("safety.encoder.consistency_time_s")); });
+  refused([](auto& s) { s.motion.unknown_torque_Nm[1] = above(boundOf("safety.motion.unknown_torque_Nm")); });
+  refused([](auto& s) { s.motion.unknown_time_s = above(boundOf("safety.motion.unknown_time_s")); });
+  refused([](auto& s) { s.motion.following_rad[0] = above(boundOf("safety.motion.following_rad")); });
+  refused([](auto& s) { s.motion.following_time_s = above(boundOf("safety.motion.following_time_s")); });
+  refused([](auto& s) { s.drive.follow_tolerance = above(boundOf("safety.drive.follow_tolerance")); });
+  refused([](auto& s) { s.drive.response_s = above(boundOf("safety.drive.response_s")); });
+  refused([](auto& s) { s.drive.follow_time_s = above(boundOf("safety.drive.follow_time_s")); });
+  refused([](auto& s) { s.drive.over_tolerance = above(boundOf("safety.drive.over_tolerance")); });
+  refused([](auto& s) { s.drive.over_time_s = above(boundOf("safety.drive.over_time_s")); });
   refused([](auto& s) { s.emg.flat_mV = -1.0; });
-  refused([](auto& s) { s.emg.flat_time_s = 1.01 * boundOf("safety.emg.flat_time_s").maximum; });
-  refused([](auto& s) { s.emg.saturation_mV = 1.01 * boundOf("safety.emg.saturation_mV").maximum; });
-  refused([](auto& s) { s.emg.saturation_time_s = 1.01 * boundOf("safety.emg.saturation_time_s").maximum; });
-  refused([](auto& s) { s.emg.hum_mV = 1.01 * boundOf("safety.emg.hum_mV").maximum; });
-  refused([](auto& s) { s.emg.hum_time_s = 1.01 * boundOf("safety.emg.hum_time_s").maximum; });
-  refused([](auto& s) {
-    s.network.disagreement_Nm[0] = 1.01 * boundOf("safety.network.disagreement_Nm").maximum;
-  });
-  refused([](auto& s) {
-    s.network.disagreement_time_s = 1.01 * boundOf("safety.network.disagreement_time_s").maximum;
-  });
+  refused([](auto& s) { s.emg.flat_time_s = above(boundOf("safety.emg.flat_time_s")); });
+  refused([](auto& s) { s.emg.saturation_mV = above(boundOf("safety.emg.saturation_mV")); });
+  refused([](auto& s) { s.emg.saturation_time_s = above(boundOf("safety.emg.saturation_time_s")); });
+  refused([](auto& s) { s.emg.hum_mV = above(boundOf("safety.emg.hum_mV")); });
+  refused([](auto& s) { s.emg.hum_time_s = above(boundOf("safety.emg.hum_time_s")); });
+  refused([](auto& s) { s.network.disagreement_Nm[0] = above(boundOf("safety.network.disagreement_Nm")); });
+  refused(
+      [](auto& s) { s.network.disagreement_time_s = above(boundOf("safety.network.disagreement_time_s")); });
 }
