@@ -37,8 +37,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   patella::sim::RigRunOptions options;
   app.add_option("--config", line.config, "run configuration, TOML; its [rig] describes the rig")->required();
   app.add_option("interface", interface, "can:INTERFACE, such as can:vcan0")->required();
-  app.add_option("--duration", options.duration_s, "seconds; 0 runs until Ctrl-C")
-      ->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", line.duration_s, "seconds; 0 runs until Ctrl-C");
   app.add_option("--faults", line.faults,
                  "script of faults, TOML: what goes wrong in the rig and on the bus");
   app.add_option("--seed", line.seed, "of noise, EMG and patient");
@@ -60,6 +59,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     }
     line.only_rig = true;
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
+    options.duration_s = line.duration_s.value_or(0.0);
     const auto rig = patella::app::makeRig(config);
     const std::string name = interface.substr(kPrefix.size());
     patella::can::SocketCanBus bus(name);

@@ -1,6 +1,6 @@
 #include "sim/fault_script.hpp"
 
-#include "core/check.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::sim {
 
@@ -58,16 +58,19 @@ std::string_view frameChannelName(FrameChannel channel) noexcept {
 }
 
 void requireSound(const FaultEvent& event) {
-  constexpr double kLongest_s = 1e7;
-  requireRange("fault.time_s", event.time_s, 0.0, kLongest_s);
-  requireRange("fault.duration_s", event.duration_s, 0.0, std::numeric_limits<double>::infinity());
-  requireRange("fault.cycle_s", event.cycle_s, 0.0, kLongest_s);
-  requireRange("fault.duty", event.duty, 0.0, 1.0);
-  requireRange("fault.probability", event.probability, 0.0, 1.0);
-  requireRange("fault.delay_s", event.delay_s, 0.0, kLongest_s);
-  requireRange("fault.bits", event.bits, 1, 64);
-  requireRange("fault.value", event.value, -1e6, 1e6);
-  requireRange("fault.frequency_Hz", event.frequency_Hz, 0.0, 1e4);
+  requireBound(boundOf("fault.time_s"), event.time_s);
+  if (event.duration_s != std::numeric_limits<double>::infinity()) {
+    requireBound(boundOf("fault.duration_s"), event.duration_s);
+  }
+  if (event.cycle_s != 0.0) {
+    requireBound(boundOf("fault.cycle_s"), event.cycle_s);
+    requireBound(boundOf("fault.duty"), event.duty);
+  }
+  requireBound(boundOf("fault.probability"), event.probability);
+  requireBound(boundOf("fault.delay_s"), event.delay_s);
+  requireBound(boundOf("fault.bits"), event.bits);
+  requireBound(boundOf("fault.value"), event.value);
+  requireBound(boundOf("fault.frequency_Hz"), event.frequency_Hz);
 }
 
 }  // namespace patella::sim

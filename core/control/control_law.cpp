@@ -2,21 +2,20 @@
 
 #include <string>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
 
 namespace patella::control {
 namespace {
 
-constexpr double kMaxStiffness_Nm_rad = 10000.0;
-constexpr double kMaxDamping_Nms_rad = 1000.0;
-
-void validate(const std::string& key, const JointVector& values, int joints, double maximum) {
+void validate(const Bound& bound, const JointVector& values, int joints) {
+  const std::string key(bound.name);
   if (values.size() != joints) {
     rejectValue("number of values of " + key, static_cast<double>(values.size()),
                 "one per joint (" + std::to_string(joints) + ")");
   }
   for (int j = 0; j < joints; ++j) {
-    requireRange(key + "[" + std::to_string(j + 1) + "]", values[j], 0.0, maximum);
+    requireBound(bound, values[j], key + "[" + std::to_string(j + 1) + "]");
   }
 }
 
@@ -24,12 +23,12 @@ void validate(const std::string& key, const JointVector& values, int joints, dou
 
 ControlLaw::ControlLaw(int joints, const ControlGains& gains) : gains_(gains) {
   requireRange("joints", joints, 1, kMaxJoints);
-  requireRange("control.gravity", gains.gravity, 0.0, 1.0);
-  requireRange("control.model", gains.model, 0.0, 1.0);
-  requireRange("control.emg", gains.emg, -5.0, 5.0);
-  requireRange("control.compensation", gains.compensation, 0.0, 1.0);
-  validate("control.stiffness_Nm_rad", gains.stiffness_Nm_rad, joints, kMaxStiffness_Nm_rad);
-  validate("control.damping_Nms_rad", gains.damping_Nms_rad, joints, kMaxDamping_Nms_rad);
+  requireBound(boundOf("control.gravity"), gains.gravity);
+  requireBound(boundOf("control.model"), gains.model);
+  requireBound(boundOf("control.emg"), gains.emg);
+  requireBound(boundOf("control.compensation"), gains.compensation);
+  validate(boundOf("control.stiffness_Nm_rad"), gains.stiffness_Nm_rad, joints);
+  validate(boundOf("control.damping_Nms_rad"), gains.damping_Nms_rad, joints);
 }
 
 ControlOutput ControlLaw::compute(const ControlInput& in) const noexcept PATELLA_NONBLOCKING {

@@ -18,13 +18,14 @@
 
 namespace patella::control {
 
+/// Bounds: core/bounds/run_configuration.hpp.
 struct ControlGains {
-  double gravity = 0.0;          ///< 0…1
-  double model = 0.0;            ///< 0…1
-  double emg = 0.0;              ///< −5…5: positive assists, negative resists
-  double compensation = 0.0;     ///< 0…1
-  JointVector stiffness_Nm_rad;  ///< K_p per joint, 0…10 000
-  JointVector damping_Nms_rad;   ///< K_d per joint, 0…1000
+  double gravity = 0.0;
+  double model = 0.0;
+  double emg = 0.0;  ///< positive assists, negative resists
+  double compensation = 0.0;
+  JointVector stiffness_Nm_rad;  ///< K_p per joint
+  JointVector damping_Nms_rad;   ///< K_d per joint
 };
 
 /// All vectors have the mechanism's number of joints.

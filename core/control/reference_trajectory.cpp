@@ -4,15 +4,16 @@
 #include <numbers>
 #include <string>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
 
 namespace patella::control {
 namespace {
 
-constexpr double kMaxAngle_rad = 2.0 * std::numbers::pi;
-constexpr double kMaxFrequency_Hz = 5.0;
-constexpr double kMinDuration_s = 0.1;
-constexpr double kMaxDuration_s = 600.0;
+constexpr Bound kOffset = boundOf("reference.joint.offset_rad");
+constexpr Bound kAmplitude = boundOf("reference.joint.amplitude_rad");
+constexpr Bound kFrequency = boundOf("reference.joint.frequency_Hz");
+constexpr Bound kPhase = boundOf("reference.joint.phase_rad");
 
 /// A scalar function of time with its first two derivatives.
 struct Sample {
@@ -79,34 +80,34 @@ Sample evaluate(const JointMotion& motion, double start, double blend_s, double 
 }
 
 void validate(const MultisineMotion& motion, const std::string& prefix) {
-  requireRange(prefix + "offset_rad", motion.offset_rad, -kMaxAngle_rad, kMaxAngle_rad);
+  requireBound(kOffset, motion.offset_rad, prefix + "offset_rad");
   requireRange(prefix + "components", static_cast<double>(motion.components.size()), 1.0,
                static_cast<double>(MultisineMotion::kMaxComponents));
   double sum_rad = 0.0;
   for (std::size_t k = 0; k < motion.components.size(); ++k) {
     const std::string suffix = "[" + std::to_string(k + 1) + "]";
     const SineComponent& component = motion.components[k];
-    requireRange(prefix + "amplitude_rad" + suffix, component.amplitude_rad, 0.0, std::numbers::pi);
-    requireRange(prefix + "frequency_Hz" + suffix, component.frequency_Hz, 0.0, kMaxFrequency_Hz);
-    requireRange(prefix + "phase_rad" + suffix, component.phase_rad, -kMaxAngle_rad, kMaxAngle_rad);
+    requireBound(kAmplitude, component.amplitude_rad, prefix + "amplitude_rad" + suffix);
+    requireBound(kFrequency, component.frequency_Hz, prefix + "frequency_Hz" + suffix);
+    requireBound(kPhase, component.phase_rad, prefix + "phase_rad" + suffix);
     sum_rad += component.amplitude_rad;
   }
-  requireRange(prefix + "sum of amplitude_rad", sum_rad, 0.0, std::numbers::pi);
+  requireBound(kAmplitude, sum_rad, prefix + "sum of amplitude_rad");
 }
 
 void validate(const JointMotion& motion, const std::string& prefix) {
   if (const auto* move = std::get_if<MoveMotion>(&motion)) {
-    requireRange(prefix + "target_rad", move->target_rad, -kMaxAngle_rad, kMaxAngle_rad);
-    requireRange(prefix + "duration_s", move->duration_s, kMinDuration_s, kMaxDuration_s);
+    requireBound(boundOf("reference.joint.target_rad"), move->target_rad, prefix + "target_rad");
+    requireBound(boundOf("reference.joint.duration_s"), move->duration_s, prefix + "duration_s");
   } else if (const auto* wave = std::get_if<SinusoidMotion>(&motion)) {
-    requireRange(prefix + "offset_rad", wave->offset_rad, -kMaxAngle_rad, kMaxAngle_rad);
-    requireRange(prefix + "amplitude_rad", wave->amplitude_rad, -kMaxAngle_rad, kMaxAngle_rad);
-    requireRange(prefix + "frequency_Hz", wave->frequency_Hz, 0.0, kMaxFrequency_Hz);
-    requireRange(prefix + "phase_rad", wave->phase_rad, -kMaxAngle_rad, kMaxAngle_rad);
+    requireBound(kOffset, wave->offset_rad, prefix + "offset_rad");
+    requireBound(kAmplitude, wave->amplitude_rad, prefix + "amplitude_rad");
+    requireBound(kFrequency, wave->frequency_Hz, prefix + "frequency_Hz");
+    requireBound(kPhase, wave->phase_rad, prefix + "phase_rad");
   } else if (const auto* waves = std::get_if<MultisineMotion>(&motion)) {
     validate(*waves, prefix);
   } else if (const auto* hold = std::get_if<HoldMotion>(&motion); hold->position_rad.has_value()) {
-    requireRange(prefix + "position_rad", *hold->position_rad, -kMaxAngle_rad, kMaxAngle_rad);
+    requireBound(boundOf("reference.joint.position_rad"), *hold->position_rad, prefix + "position_rad");
   }
 }
 
@@ -120,7 +121,7 @@ double schroederPhase_rad(std::size_t index, std::size_t count) noexcept {
 ReferenceTrajectory::ReferenceTrajectory(int joints, const ReferenceSettings& settings)
     : settings_(settings), start_() {
   requireRange("joints", joints, 1, kMaxJoints);
-  requireRange("reference.blend_s", settings.blend_s, kMinDuration_s, kMaxDuration_s);
+  requireBound(boundOf("reference.blend_s"), settings.blend_s);
   for (int j = 0; j < joints; ++j) {
     validate(settings.motion[static_cast<std::size_t>(j)], "reference.joint[" + std::to_string(j + 1) + "].");
   }

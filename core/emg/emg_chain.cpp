@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
 #include "core/signal/butterworth.hpp"
 
@@ -15,32 +16,38 @@ constexpr int kEnvelopeOrder = 2;
 constexpr double kNotchBandwidth_Hz = 3.0;
 /// Share of the rate above which the upper edge of the band-pass would crowd the Nyquist frequency.
 constexpr double kHighestEdge = 0.45;
-constexpr double kMinMvc_mV = 1e-4;
-constexpr double kMaxTwitch_s = 0.2;
+/// An effort of less than that above rest is none.
+constexpr double kSmallestEffort_mV = boundOf("emg.mvc_mV").minimum;
 
 double upperEdge(const EmgSettings& settings) {
   return std::min(settings.band_high_Hz, kHighestEdge * settings.rate_Hz);
 }
 
 void validate(const EmgSettings& settings) {
-  requireRange("emg.rate_Hz", settings.rate_Hz, 50.0, 20000.0);
+  requireRange("emg.rate_Hz", settings.rate_Hz, 1.0 / boundOf("checks.emg_period_s").maximum,
+               1.0 / boundOf("checks.emg_period_s").minimum);
   requireRange("emg.channels", settings.channels, 1, kMaxEmgChannels);
   for (int i = 0; i < settings.channels; ++i) {
     const auto& channel = settings.channel[static_cast<std::size_t>(i)];
     const std::string prefix = "emg.channel[" + std::to_string(i + 1) + "].";
-    requireRange(prefix + "rest_mV", channel.rest_mV, 0.0, EmgChain::kMaxInput_mV);
-    requireRange(prefix + "mvc_mV", channel.mvc_mV, channel.rest_mV + kMinMvc_mV, EmgChain::kMaxInput_mV);
-    requireRange(prefix + "shape", channel.shape, -3.0, 0.0);
+    requireBound(boundOf("emg.rest_mV"), channel.rest_mV, prefix + "rest_mV");
+    requireRange(prefix + "mvc_mV", channel.mvc_mV, channel.rest_mV + kSmallestEffort_mV,
+                 boundOf("emg.mvc_mV").maximum);
+    requireBound(boundOf("emg.shape"), channel.shape, prefix + "shape");
   }
   if (settings.bypass) {
     return;
   }
-  requireRange("emg.band_low_Hz", settings.band_low_Hz, 1.0, 0.9 * upperEdge(settings));
-  requireRange("emg.band_high_Hz", settings.band_high_Hz, settings.band_low_Hz, 10000.0);
-  requireRange("emg.envelope_Hz", settings.envelope_Hz, 0.1, kHighestEdge * settings.rate_Hz);
-  requireRange("emg.twitch_s", settings.twitch_s, 0.0, kMaxTwitch_s);
+  requireBound(boundOf("emg.band_high_Hz"), settings.band_high_Hz);
+  requireRange("emg.band_low_Hz", settings.band_low_Hz, boundOf("emg.band_low_Hz").minimum,
+               std::min(boundOf("emg.band_low_Hz").maximum, 0.9 * upperEdge(settings)));
+  requireRange("emg.envelope_Hz", settings.envelope_Hz, boundOf("emg.envelope_Hz").minimum,
+               std::min(boundOf("emg.envelope_Hz").maximum, kHighestEdge * settings.rate_Hz));
+  requireBound(boundOf("emg.twitch_s"), settings.twitch_s);
   if (settings.mains_Hz != 0.0) {
-    requireRange("emg.mains_Hz", settings.mains_Hz, 40.0, std::min(70.0, kHighestEdge * settings.rate_Hz));
+    constexpr double kSlowestMains_Hz = 40.0;
+    requireRange("emg.mains_Hz", settings.mains_Hz, kSlowestMains_Hz,
+                 std::min(boundOf("emg.mains_Hz").maximum, kHighestEdge * settings.rate_Hz));
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include <array>
 
+#include "core/bounds/bounds.hpp"
 #include "core/signal/biquad.hpp"
 #include "core/types.hpp"
 
@@ -48,7 +49,7 @@ class EmgChain {
   /// bounds the work of one call.
   static constexpr int kMaxBridgedSteps = 20;
   /// Beyond any electrode's signal and offset; what exceeds it is cut.
-  static constexpr double kMaxInput_mV = 1000.0;
+  static constexpr double kMaxInput_mV = boundOf("emg.mvc_mV").maximum;
 
   /// Throws std::invalid_argument naming the key, the value and what was expected.
   explicit EmgChain(const EmgSettings& settings);

@@ -3,6 +3,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
 
 namespace patella::emg {
@@ -11,8 +12,8 @@ EmgTorqueMap::EmgTorqueMap(int joints, const EmgGains& gain_Nm) : joints_(joints
   requireRange("joints", joints, 1, kMaxJoints);
   for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
     for (std::size_t c = 0; c < gain_Nm[j].size(); ++c) {
-      requireRange("emg.gain_Nm[" + std::to_string(j + 1) + "][" + std::to_string(c + 1) + "]", gain_Nm[j][c],
-                   -kMaxGain_Nm, kMaxGain_Nm);
+      requireBound(boundOf("emg.gain1_Nm"), gain_Nm[j][c],
+                   "emg.gain" + std::to_string(j + 1) + "_Nm[" + std::to_string(c + 1) + "]");
     }
   }
 }

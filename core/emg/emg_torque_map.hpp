@@ -14,8 +14,6 @@ using EmgGains = std::array<EmgArray, kMaxJoints>;
 /// τ_j = Σ_c gain_Nm[j][c] · activation[c]
 class EmgTorqueMap {
  public:
-  static constexpr double kMaxGain_Nm = 500.0;
-
   /// Throws std::invalid_argument naming the key, the value and what was expected.
   EmgTorqueMap(int joints, const EmgGains& gain_Nm);
 

@@ -3,12 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::estimation {
 
-ExtendedStateObserver::ExtendedStateObserver(const PerJoint& bandwidth_Hz)
-    : bandwidth_Hz_(model::requirePositive(bandwidth_Hz, "bandwidth_Hz")) {}
+ExtendedStateObserver::ExtendedStateObserver(const PerJoint& bandwidth_Hz) : bandwidth_Hz_(bandwidth_Hz) {
+  requireBound(boundOf("estimation.bandwidth_Hz"), bandwidth_Hz);
+}
 
 void ExtendedStateObserver::reset(const ObserverInput& input) noexcept PATELLA_NONBLOCKING {
   has_velocity_ = input.has_velocity;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
-#include "core/model/checked.hpp"
 
 namespace patella::estimation {
 namespace {
@@ -42,12 +42,12 @@ double squared(double x) noexcept {
 }  // namespace
 
 const KalmanSettings& checked(const KalmanSettings& settings) {
-  model::requirePositive(settings.position_noise_rad, "position_noise_rad");
-  model::requirePositive(settings.velocity_noise_rad_s, "velocity_noise_rad_s");
-  model::requirePositive(settings.torque_noise_Nm, "torque_noise_Nm");
-  model::requirePositive(settings.disturbance_density, "disturbance_density");
-  model::requirePositive(settings.disturbance_limit, "disturbance_limit");
-  model::requireNotNegative(settings.rest_density_Nm, "rest_density_Nm");
+  requireBound(boundOf("estimation.position_noise_rad"), settings.position_noise_rad);
+  requireBound(boundOf("estimation.velocity_noise_rad_s"), settings.velocity_noise_rad_s);
+  requireBound(boundOf("estimation.torque_noise_Nm"), settings.torque_noise_Nm);
+  requireBound(boundOf("estimation.disturbance_density"), settings.disturbance_density);
+  requireBound(boundOf("estimation.disturbance_limit"), settings.disturbance_limit);
+  requireBound(boundOf("estimation.rest_density_Nm"), settings.rest_density_Nm);
   return settings;
 }
 

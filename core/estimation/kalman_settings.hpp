@@ -41,8 +41,8 @@ struct KalmanSettings {
   double rest_density_Nm = 0.0;
 };
 
-/// Returns the settings. Throws std::invalid_argument naming setting, value and expectation unless noises,
-/// density and limit are positive and finite and the rest's density is not negative.
+/// Returns the settings. Throws std::invalid_argument naming setting, value and bounds
+/// (core/bounds/run_configuration.hpp).
 const KalmanSettings& checked(const KalmanSettings& settings);
 
 }  // namespace patella::estimation

@@ -2,13 +2,13 @@
 
 #include <numbers>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::estimation {
 
 MomentumObserver::MomentumObserver(const MomentumParameters& parameters) : parameters_(parameters) {
-  model::requirePositive(parameters.bandwidth_Hz, "bandwidth_Hz");
-  model::requirePositive(parameters.damping_ratio, "damping_ratio");
+  requireBound(boundOf("estimation.bandwidth_Hz"), parameters.bandwidth_Hz);
+  requireBound(boundOf("estimation.damping_ratio"), parameters.damping_ratio);
 }
 
 void MomentumObserver::reset(const ObserverInput& input) noexcept PATELLA_NONBLOCKING {

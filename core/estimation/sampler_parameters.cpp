@@ -3,21 +3,23 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::estimation {
 namespace {
 
 void requireOdd(int value, const char* name) {
-  if (value <= 0 || value % 2 == 0) {
+  if (value % 2 == 0) {
     throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
-                                ", expected an odd number greater than 0");
+                                ", expected an odd number");
   }
 }
 
 }  // namespace
 
 void requireOddExponent(int p0, int q0) {
+  requireBound(boundOf("estimation.p0"), p0);
+  requireBound(boundOf("estimation.q0"), q0);
   requireOdd(p0, "p0");
   requireOdd(q0, "q0");
   if (p0 >= q0) {
@@ -27,9 +29,9 @@ void requireOddExponent(int p0, int q0) {
 }
 
 const SamplerParameters& checked(const SamplerParameters& parameters) {
-  model::requirePositive(parameters.k_d, "k_d");
-  model::requirePositive(parameters.delta, "delta");
-  model::requirePositive(parameters.epsilon, "epsilon");
+  requireBound(boundOf("estimation.k_d_1_s"), parameters.k_d);
+  requireBound(boundOf("estimation.delta_rad_s2"), parameters.delta);
+  requireBound(boundOf("estimation.epsilon"), parameters.epsilon);
   requireOddExponent(parameters.p0, parameters.q0);
   return parameters;
 }

@@ -2,14 +2,14 @@
 
 #include <cmath>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::estimation {
 
 SuperTwistingObserver::SuperTwistingObserver(const SuperTwistingParameters& parameters)
     : parameters_(parameters) {
-  model::requirePositive(parameters.rate_bound, "rate_bound");
-  model::requirePositive(parameters.root_gain, "root_gain");
+  requireBound(boundOf("estimation.rate_bound_rad_s3"), parameters.rate_bound);
+  requireBound(boundOf("estimation.root_gain"), parameters.root_gain);
 }
 
 void SuperTwistingObserver::reset(const ObserverInput& input) noexcept PATELLA_NONBLOCKING {

@@ -2,20 +2,20 @@
 
 #include <cmath>
 
+#include "core/bounds/bounds.hpp"
 #include "core/estimation/fractional_root.hpp"
 #include "core/estimation/sampler_parameters.hpp"
-#include "core/model/checked.hpp"
 
 namespace patella::estimation {
 namespace {
 
 TerminalSlidingParameters checked(const TerminalSlidingParameters& p) {
-  model::requirePositive(p.terminal_linear, "terminal_linear");
-  model::requirePositive(p.terminal_fractional, "terminal_fractional");
+  requireBound(boundOf("estimation.terminal_linear_1_s"), p.terminal_linear);
+  requireBound(boundOf("estimation.terminal_fractional"), p.terminal_fractional);
   requireOddExponent(p.p0, p.q0);
-  model::requirePositive(p.reaching, "reaching");
-  model::requirePositive(p.switching, "switching");
-  model::requirePositive(p.boundary, "boundary");
+  requireBound(boundOf("estimation.reaching_1_s"), p.reaching);
+  requireBound(boundOf("estimation.switching_rad_s2"), p.switching);
+  requireBound(boundOf("estimation.boundary_rad_s"), p.boundary);
   return p;
 }
 

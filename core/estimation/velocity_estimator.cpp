@@ -2,12 +2,13 @@
 
 #include <numbers>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::estimation {
 
-VelocityEstimator::VelocityEstimator(double cutoff_Hz)
-    : cutoff_rad_s_(2.0 * std::numbers::pi * model::requirePositive(cutoff_Hz, "cutoff_Hz")) {}
+VelocityEstimator::VelocityEstimator(double cutoff_Hz) : cutoff_rad_s_(2.0 * std::numbers::pi * cutoff_Hz) {
+  requireBound(boundOf("estimation.velocity_cutoff_Hz"), cutoff_Hz);
+}
 
 void VelocityEstimator::reset(const JointVector& q) noexcept PATELLA_NONBLOCKING {
   previous_q_ = q;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::model {
 namespace {
@@ -14,10 +14,10 @@ JointVector scalar(double value) noexcept {
 }  // namespace
 
 RevoluteJoint::RevoluteJoint(const RevoluteJointParameters& parameters) : parameters_(parameters) {
-  requirePositive(parameters.inertia_kg_m2, "inertia_kg_m2");
-  requireNotNegative(parameters.moment_kg_m, "moment_kg_m");
-  requirePositive(parameters.length_m, "length_m");
-  requireNotNegative(parameters.gravity_m_s2, "gravity_m_s2");
+  requireBound(boundOf("mechanism.inertia_kg_m2 (revolute)"), parameters.inertia_kg_m2);
+  requireBound(boundOf("mechanism.moment_kg_m (revolute)"), parameters.moment_kg_m);
+  requireBound(boundOf("mechanism.length_m (revolute)"), parameters.length_m);
+  requireBound(boundOf("mechanism.gravity_m_s2"), parameters.gravity_m_s2);
 }
 
 JointMatrix RevoluteJoint::inertia(const JointVector& /*q*/) const noexcept {
@@ -67,9 +67,9 @@ Regressor RevoluteJoint::regressor(const JointVector& q, const JointVector& /*dq
 }
 
 PrismaticJoint::PrismaticJoint(const PrismaticJointParameters& parameters) : parameters_(parameters) {
-  requirePositive(parameters.mass_kg, "mass_kg");
-  requireFinite(parameters.inclination_rad, "inclination_rad");
-  requireNotNegative(parameters.gravity_m_s2, "gravity_m_s2");
+  requireBound(boundOf("mechanism.mass_kg (prismatic)"), parameters.mass_kg);
+  requireBound(boundOf("mechanism.inclination_rad (prismatic)"), parameters.inclination_rad);
+  requireBound(boundOf("mechanism.gravity_m_s2"), parameters.gravity_m_s2);
 }
 
 JointMatrix PrismaticJoint::inertia(const JointVector& /*q*/) const noexcept {

@@ -15,8 +15,7 @@ struct RevoluteJointParameters {
 /// q from the horizontal, rad; hanging is −π/2.
 class RevoluteJoint final : public Mechanism {
  public:
-  /// Throws std::invalid_argument naming the parameter and its value unless inertia and length are positive
-  /// and moment and gravity not negative.
+  /// Throws std::invalid_argument naming the parameter, its value and its bounds (core/bounds/model.hpp).
   explicit RevoluteJoint(const RevoluteJointParameters& parameters);
 
   const RevoluteJointParameters& parameters() const noexcept { return parameters_; }
@@ -51,8 +50,7 @@ struct PrismaticJointParameters {
 /// q along the axis, m.
 class PrismaticJoint final : public Mechanism {
  public:
-  /// Throws std::invalid_argument naming the parameter and its value unless the mass is positive, gravity not
-  /// negative and the inclination finite.
+  /// Throws std::invalid_argument naming the parameter, its value and its bounds (core/bounds/model.hpp).
   explicit PrismaticJoint(const PrismaticJointParameters& parameters);
 
   const PrismaticJointParameters& parameters() const noexcept { return parameters_; }

@@ -3,22 +3,26 @@
 #include <cmath>
 #include <string>
 
-#include "core/model/checked.hpp"
+#include "core/bounds/bounds.hpp"
+#include "core/check.hpp"
 
 namespace patella::model {
 namespace {
 
 PlanarTwoLinkParameters checked(const PlanarTwoLinkParameters& p) {
+  requireBound(boundOf("mechanism.mass_kg (planar_two_link)"), p.mass_kg);
+  requireBound(boundOf("mechanism.length_m (planar_two_link)"), p.length_m);
+  requireBound(boundOf("mechanism.com_m (planar_two_link)"), p.com_m);
+  requireBound(boundOf("mechanism.inertia_kg_m2 (planar_two_link)"), p.inertia_kg_m2);
+  requireBound(boundOf("mechanism.gravity_m_s2"), p.gravity_m_s2);
   for (std::size_t link = 0; link < 2; ++link) {
-    const std::string index = "[" + std::to_string(link) + "]";
-    requirePositive(p.mass_kg[link], "mass_kg" + index);
-    requirePositive(p.length_m[link], "length_m" + index);
-    requireNotNegative(p.com_m[link], "com_m" + index);
-    requireNotNegative(p.inertia_kg_m2[link], "inertia_kg_m2" + index);
-    requirePositive(p.inertia_kg_m2[link] + p.mass_kg[link] * p.com_m[link] * p.com_m[link],
-                    "inertia_kg_m2" + index + " + mass_kg" + index + " com_m" + index + "²");
+    const std::string index = "[" + std::to_string(link + 1) + "]";
+    const double about_joint = p.inertia_kg_m2[link] + p.mass_kg[link] * p.com_m[link] * p.com_m[link];
+    if (!(about_joint > 0.0)) {
+      rejectValue("inertia_kg_m2" + index + " + mass_kg" + index + " com_m" + index + "²", about_joint,
+                  "more than 0");
+    }
   }
-  requireNotNegative(p.gravity_m_s2, "gravity_m_s2");
   return p;
 }
 

@@ -1,11 +1,11 @@
 #include "core/network/network_weights.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/bounds/bounds.hpp"
 #include "core/types.hpp"
 
 namespace patella::network {
@@ -35,18 +35,12 @@ std::string shapeText(Eigen::Index rows, Eigen::Index cols) {
                                         : "[" + std::to_string(rows) + "," + std::to_string(cols) + "]";
 }
 
-void checkNumbers(const std::string& name, const Eigen::VectorXd& values, Eigen::Index size) {
+void checkNumbers(const Bound& bound, const Eigen::VectorXd& values, Eigen::Index size) {
+  const std::string name(bound.name);
   if (values.size() != size)
     fail(name + ": " + std::to_string(values.size()) + " values, expected " + std::to_string(size));
-  if (!values.allFinite())
-    fail(name + ": not finite");
-}
-
-void checkScale(const std::string& name, const Eigen::VectorXd& values, Eigen::Index size) {
-  checkNumbers(name, values, size);
-  // A subnormal scale has no finite inverse.
-  if ((values.array() < 1e-30).any())
-    fail(name + ": " + std::to_string(values.minCoeff()) + ", expected a positive number");
+  for (Eigen::Index i = 0; i < size; ++i)
+    requireBound(bound, values[i], name + "[" + std::to_string(i + 1) + "]");
 }
 
 template <typename Tensor>
@@ -93,18 +87,17 @@ void checkWeights(const NetworkWeights& weights) {
   checkRange("lstm hidden units", shape.hidden, kMaxWidth);
   checkRange("attention channels", shape.channels, kMaxWidth);
   checkRange("outputs", shape.outputs, kMaxJoints);
-  checkRange("window", weights.window, kMaxWindow);
-  checkRange("heads", weights.heads, shape.channels);
+  requireBound(boundOf("window"), weights.window);
+  requireBound(boundOf("heads"), weights.heads);
   if (shape.channels % weights.heads != 0)
     fail("heads: " + std::to_string(weights.heads) + ", expected a divisor of the " +
          std::to_string(shape.channels) + " channels");
-  if (!(weights.rate_Hz > 0.0) || !std::isfinite(weights.rate_Hz))
-    fail("rate_Hz: " + std::to_string(weights.rate_Hz) + ", expected a positive number");
+  requireBound(boundOf("rate_Hz"), weights.rate_Hz);
   checkNames(weights.features);
-  checkNumbers("feature_mean", weights.feature_mean, shape.inputs);
-  checkScale("feature_scale", weights.feature_scale, shape.inputs);
-  checkNumbers("output_mean", weights.output_mean, shape.outputs);
-  checkScale("output_scale", weights.output_scale, shape.outputs);
+  checkNumbers(boundOf("feature_mean"), weights.feature_mean, shape.inputs);
+  checkNumbers(boundOf("feature_scale"), weights.feature_scale, shape.inputs);
+  checkNumbers(boundOf("output_mean"), weights.output_mean, shape.outputs);
+  checkNumbers(boundOf("output_scale"), weights.output_scale, shape.outputs);
   checkLinearLags(weights.linear_lags);
   if (weights.linear_lags.empty()) {
     checkNone("linear.weight", weights.linear_weight);

@@ -7,11 +7,13 @@
 
 #include <Eigen/Core>
 
+#include "core/bounds/bounds.hpp"
+
 namespace patella::network {
 
 inline constexpr int kMaxLstmLayers = 2;
-/// Bounds the ring of keys and values that a weights file may ask for: 4 s at 1 kHz.
-inline constexpr int kMaxWindow = 4096;
+/// Bounds the ring of keys and values that a weights file may ask for.
+inline constexpr int kMaxWindow = static_cast<int>(boundOf("window").maximum);
 inline constexpr int kMaxWidth = 4096;  ///< of any layer
 inline constexpr int kMaxLinearLags = 64;
 

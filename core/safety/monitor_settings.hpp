@@ -5,17 +5,6 @@
 
 namespace patella::safety {
 
-/// Ceilings that no configuration can lift: beyond them a monitor would no longer be one.
-inline constexpr double kCeilingInconsistency_rad = 0.2;
-inline constexpr double kCeilingConsistencyTime_s = 1.0;
-inline constexpr double kCeilingUnknownTorque_Nm = 300.0;
-inline constexpr double kCeilingFollowing_rad = 2.0;
-inline constexpr double kCeilingFollowTolerance = 0.5;
-inline constexpr double kCeilingOverTolerance = 0.5;
-inline constexpr double kCeilingMonitorTime_s = 1.0;
-inline constexpr double kCeilingEmg_mV = 1000.0;
-inline constexpr double kCeilingDisagreement_Nm = 150.0;
-
 struct EncoderMonitorSettings {
   /// Position against the integral of the measured rate, leaking with consistency_time_s.
   double inconsistency_rad = 0.02;

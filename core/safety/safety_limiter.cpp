@@ -4,20 +4,22 @@
 #include <cmath>
 #include <string>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
 
 namespace patella::safety {
 namespace {
 
-constexpr double kSmallest = 1e-6;
+constexpr double kSmallestRange_rad = 1e-6;
 
 void validate(const JointLimits& limits, const std::string& prefix) {
-  requireRange(prefix + "torque_Nm", limits.torque_Nm, kSmallest, kCeilingTorque_Nm);
-  requireRange(prefix + "torque_rate_Nm_s", limits.torque_rate_Nm_s, kSmallest, kCeilingTorqueRate_Nm_s);
-  requireRange(prefix + "velocity_rad_s", limits.velocity_rad_s, kSmallest, kCeilingVelocity_rad_s);
-  requireRange(prefix + "q_min_rad", limits.q_min_rad, -kCeilingAngle_rad, kCeilingAngle_rad);
-  requireRange(prefix + "q_max_rad", limits.q_max_rad, limits.q_min_rad + kSmallest, kCeilingAngle_rad);
-  requireRange(prefix + "soft_margin_rad", limits.soft_margin_rad, 0.1 * kSmallest,
+  requireBound(boundOf("safety.torque_Nm"), limits.torque_Nm, prefix + "torque_Nm");
+  requireBound(boundOf("safety.torque_rate_Nm_s"), limits.torque_rate_Nm_s, prefix + "torque_rate_Nm_s");
+  requireBound(boundOf("safety.velocity_rad_s"), limits.velocity_rad_s, prefix + "velocity_rad_s");
+  requireBound(boundOf("safety.q_min_rad"), limits.q_min_rad, prefix + "q_min_rad");
+  requireRange(prefix + "q_max_rad", limits.q_max_rad, limits.q_min_rad + kSmallestRange_rad,
+               boundOf("safety.q_max_rad").maximum);
+  requireRange(prefix + "soft_margin_rad", limits.soft_margin_rad, boundOf("safety.soft_margin_rad").minimum,
                0.5 * (limits.q_max_rad - limits.q_min_rad));
 }
 
@@ -33,7 +35,7 @@ std::string_view limitName(Limit limit) noexcept {
 SafetyLimiter::SafetyLimiter(int joints, const SafetyLimits& limits)
     : joints_(joints) {
   requireRange("joints", joints, 1, kMaxJoints);
-  requireRange("safety.saturation_timeout_s", limits.saturation_timeout_s, 0.0, kCeilingSaturation_s);
+  requireBound(boundOf("safety.saturation_timeout_s"), limits.saturation_timeout_s);
   for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
     validate(limits.joint[j], "safety.joint[" + std::to_string(j + 1) + "].");
     joint_[j] = {.limits = limits.joint[j], .saturated = LeakyScore(limits.saturation_timeout_s)};

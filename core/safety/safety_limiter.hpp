@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <numbers>
 #include <string_view>
 
 #include "core/safety/fault.hpp"
@@ -11,13 +10,6 @@
 #include "core/types.hpp"
 
 namespace patella::safety {
-
-/// Ceilings that no configuration can lift.
-inline constexpr double kCeilingTorque_Nm = 150.0;
-inline constexpr double kCeilingTorqueRate_Nm_s = 10000.0;
-inline constexpr double kCeilingVelocity_rad_s = 12.0;
-inline constexpr double kCeilingAngle_rad = 2.0 * std::numbers::pi;
-inline constexpr double kCeilingSaturation_s = 1.0;
 
 struct JointLimits {
   double torque_Nm = 0.0;

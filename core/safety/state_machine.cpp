@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/check.hpp"
+#include "core/bounds/bounds.hpp"
 
 namespace patella::safety {
 namespace {
@@ -41,7 +41,7 @@ std::string_view stateName(State state) noexcept {
 }
 
 StateMachine::StateMachine(int healthy_ticks) : healthy_ticks_(healthy_ticks) {
-  requireRange("safety.healthy_ticks", healthy_ticks, 1, kMaxHealthyTicks);
+  requireBound(boundOf("safety.healthy_ticks"), healthy_ticks);
 }
 
 StateOutput StateMachine::step(const StateInputs& inputs) noexcept PATELLA_NONBLOCKING {

@@ -85,10 +85,8 @@ struct StateOutput {
 
 class StateMachine {
  public:
-  static constexpr int kMaxHealthyTicks = 100000;
-
-  /// Inputs must be healthy for that many ticks in a row. Throws std::invalid_argument outside
-  /// 1…kMaxHealthyTicks.
+  /// Inputs must be healthy for that many ticks in a row. Throws std::invalid_argument outside the bounds of
+  /// safety.healthy_ticks.
   explicit StateMachine(int healthy_ticks = 50);
 
   /// One tick. Enable and reset that are held since before the first tick are no edges.

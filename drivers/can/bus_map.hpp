@@ -1,10 +1,10 @@
 // Which signal of which message feeds which input: what configuration fills in.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "core/bounds/bounds.hpp"
 #include "drivers/can/message_codec.hpp"
 
 namespace patella::can {
@@ -39,9 +39,9 @@ struct BusMap {
   double emg_period_s = 0.001;
 
   /// What a position may be, and how far it may go in one sensor period.
-  double position_min_rad = -std::numeric_limits<double>::infinity();
-  double position_max_rad = std::numeric_limits<double>::infinity();
-  double position_jump_rad = std::numeric_limits<double>::infinity();
+  double position_min_rad = boundOf("checks.position_min_rad").minimum;
+  double position_max_rad = boundOf("checks.position_max_rad").maximum;
+  double position_jump_rad = boundOf("checks.position_jump_rad").maximum;
 
   /// Frames of one message, one after another, that may fail by CRC, sequence or range before the fault of
   /// that kind is raised.

@@ -1,6 +1,5 @@
 #include "drivers/can/command_encoder.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -21,9 +20,8 @@ CommandEncoder::CommandEncoder(const Database& database, const CommandMap& map, 
       throw std::invalid_argument(quoted + " is bound to message '" + binding.message +
                                   "', expected the command message '" + map.message + "'");
     }
-    if (!std::isfinite(binding.scale) || binding.scale == 0.0 || !std::isfinite(binding.offset)) {
-      throw std::invalid_argument(quoted + ": expected a finite scale other than 0 and a finite offset");
-    }
+    requireBound(boundOf("command.output.scale"), binding.scale, quoted + ": scale");
+    requireBound(boundOf("command.output.offset"), binding.offset, quoted + ": offset");
     std::optional<Output>* output = nullptr;
     if (binding.input == "enable")
       output = &enable_;

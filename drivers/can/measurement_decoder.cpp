@@ -14,11 +14,8 @@ namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 
-std::int64_t toNanoseconds(const char* key, double seconds) {
-  if (!(seconds > 0.0) || seconds > 1e6) {
-    throw std::invalid_argument(std::string(key) + " is " + std::to_string(seconds) +
-                                ", expected more than 0 and at most 1e6");
-  }
+std::int64_t toNanoseconds(const Bound& bound, double seconds) {
+  requireBound(bound, seconds);
   return static_cast<std::int64_t>(std::llround(seconds * kNanosecondsPerSecond));
 }
 
@@ -34,17 +31,19 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
     throw std::invalid_argument("number of joints is " + std::to_string(joints) + ", expected 1 to " +
                                 std::to_string(kMaxJoints));
   }
-  timeouts_ns_ = {toNanoseconds("encoder_timeout_s", map.encoder_timeout_s),
-                  toNanoseconds("drive_timeout_s", map.drive_timeout_s),
-                  toNanoseconds("emg_timeout_s", map.emg_timeout_s),
-                  toNanoseconds("operator_timeout_s", map.operator_timeout_s),
+  timeouts_ns_ = {toNanoseconds(boundOf("checks.encoder_timeout_s"), map.encoder_timeout_s),
+                  toNanoseconds(boundOf("checks.drive_timeout_s"), map.drive_timeout_s),
+                  toNanoseconds(boundOf("checks.emg_timeout_s"), map.emg_timeout_s),
+                  toNanoseconds(boundOf("checks.operator_timeout_s"), map.operator_timeout_s),
                   std::numeric_limits<std::int64_t>::max()};
-  toNanoseconds("encoder_period_s", map.encoder_period_s);
-  toNanoseconds("emg_period_s", map.emg_period_s);
-  if (!(position_min_rad_ < position_max_rad_) || !(position_jump_rad_ > 0.0) || tolerated_ < 0) {
-    throw std::invalid_argument(
-        "plausibility: expected position_min_rad < position_max_rad, position_jump_rad > 0 and "
-        "tolerated_bad_frames >= 0");
+  requireBound(boundOf("checks.encoder_period_s"), map.encoder_period_s);
+  requireBound(boundOf("checks.emg_period_s"), map.emg_period_s);
+  requireBound(boundOf("checks.position_min_rad"), position_min_rad_);
+  requireBound(boundOf("checks.position_max_rad"), position_max_rad_);
+  requireBound(boundOf("checks.position_jump_rad"), position_jump_rad_);
+  requireBound(boundOf("checks.tolerated_bad_frames"), tolerated_);
+  if (!(position_min_rad_ < position_max_rad_)) {
+    throw std::invalid_argument("plausibility: expected position_min_rad < position_max_rad");
   }
   for (const Protection& protection : map.protections) {
     CompiledMessage(database.message(protection.message), protection);
@@ -92,9 +91,8 @@ void MeasurementDecoder::bind(const Database& database, const BusMap& map, const
   const InputId id = inputOf(binding.input, joints_);
   const auto [input, index] = id;
   const InputGroup group = id.kind().group;
-  if (!std::isfinite(binding.scale) || binding.scale == 0.0 || !std::isfinite(binding.offset)) {
-    throw std::invalid_argument(quoted + ": expected a finite scale other than 0 and a finite offset");
-  }
+  requireBound(boundOf("input.scale"), binding.scale, quoted + ": scale");
+  requireBound(boundOf("input.offset"), binding.offset, quoted + ": offset");
   bound_[static_cast<std::size_t>(input)][index] = true;
 
   try {
@@ -105,7 +103,8 @@ void MeasurementDecoder::bind(const Database& database, const BusMap& map, const
     message.timeout_ns = std::min(message.timeout_ns, timeouts_ns_[group]);
     const bool emg_only = input == Input::kEmg && message.period_ns == 0;
     if (emg_only || input == Input::kPosition) {
-      message.period_ns = toNanoseconds("period", emg_only ? map.emg_period_s : map.encoder_period_s);
+      message.period_ns = emg_only ? toNanoseconds(boundOf("checks.emg_period_s"), map.emg_period_s)
+                                   : toNanoseconds(boundOf("checks.encoder_period_s"), map.encoder_period_s);
     }
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(quoted + ": " + error.what());

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "drivers/can/binding_check.hpp"
+#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 
@@ -23,6 +24,9 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   if (config.backend.kind == BackendKind::kSim) {
     makeRig(config);
   }
+  if (config.rehearsal && config.backend.kind == BackendKind::kCan) {
+    requireVirtual(config.backend.target);
+  }
   fmt::print("configuration\n");
   line(true, true, "configuration", config.path.string());
   line(true, true, "model",
@@ -42,6 +46,9 @@ bool checkRun(const RunConfig& config, bool require_rt) {
        unsealed         ? unsealedWarning(config.weights_path)
        : config.weights ? config.weights_path.string()
                         : "none: the observer alone estimates");
+  if (config.rehearsal) {
+    line(true, true, "rehearsal", "times as for no motor: refused on an interface that leads to a wire");
+  }
 
   HostNeeds needs;
   needs.priority = config.realtime.priority;

@@ -22,6 +22,7 @@
 #include "firmware_app/files/standard_streams.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/loop/loop_thread.hpp"
+#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/host_stress.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
@@ -66,6 +67,9 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
   BusBackend backend;
   switch (config.backend.kind) {
     case BackendKind::kCan:
+      if (config.rehearsal) {
+        requireVirtual(config.backend.target);
+      }
       backend.bus = std::make_unique<can::SocketCanBus>(config.backend.target);
       backend.channel = config.backend.target;
       break;

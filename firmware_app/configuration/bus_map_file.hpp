@@ -19,11 +19,14 @@ struct BusDescription {
 };
 
 /// Reads the map and the DBC it names. Throws FileError naming file, line and key; a DBC's own errors carry
-/// its file, line and column. `dbc` is read in place of the one that the map names.
+/// its file, line and column. `dbc` is read in place of the one that the map names. In a rehearsal, which
+/// moves no motor, timeouts may be longer.
 BusDescription loadBusDescription(const std::filesystem::path& path,
-                                  const std::optional<std::filesystem::path>& dbc = {});
+                                  const std::optional<std::filesystem::path>& dbc = {},
+                                  bool rehearsal = false);
 /// `name` stands for the map's file in messages.
 BusDescription parseBusDescription(std::string_view text, const std::string& name,
-                                   const std::optional<std::filesystem::path>& dbc = {});
+                                   const std::optional<std::filesystem::path>& dbc = {},
+                                   bool rehearsal = false);
 
 }  // namespace patella::app

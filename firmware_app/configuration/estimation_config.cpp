@@ -1,5 +1,6 @@
 #include "firmware_app/configuration/estimation_config.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -9,12 +10,14 @@
 #include "core/estimation/implicit_sampler.hpp"
 #include "core/estimation/kalman_observer.hpp"
 #include "core/estimation/printed_sampler.hpp"
+#include "firmware_app/files/bounded.hpp"
+#include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
 namespace {
 
-constexpr Range kCutoff{.minimum = 0.1, .maximum = 5000.0};
-constexpr Range kBandwidth{.minimum = 0.01, .maximum = 1000.0};
+/// Of the encoder's rate, at most, where no cut-off is given.
+constexpr double kUsualShare = 0.25;
 
 struct Named {
   ObserverKind kind;
@@ -36,13 +39,13 @@ class PerJointReader {
   PerJointReader(const TomlTable& table, int joints)
       : table_(table), count_(static_cast<std::size_t>(joints)) {}
 
-  PerJoint operator()(std::string_view key, Range range) const {
-    return filled(table_.numbers(key, CountRange::exactly(count_), range));
+  PerJoint operator()(const Bound& bound) const {
+    return filled(numbers(table_, bound, CountRange::exactly(count_)));
   }
-  PerJoint operator()(std::string_view key, Range range, const PerJoint& fallback) const {
+  PerJoint operator()(const Bound& bound, const PerJoint& fallback) const {
     const std::vector<double> values(fallback.begin(),
                                      fallback.begin() + static_cast<std::ptrdiff_t>(count_));
-    return filled(table_.numbers(key, CountRange::exactly(count_), range, values));
+    return filled(numbers(table_, bound, CountRange::exactly(count_), values));
   }
 
  private:
@@ -58,43 +61,43 @@ class PerJointReader {
 };
 
 void readExponent(const TomlTable& table, int& p0, int& q0) {
-  p0 = static_cast<int>(table.integer("p0", 1, 99, p0));
-  q0 = static_cast<int>(table.integer("q0", 3, 101, q0));
+  readInteger(table, boundOf("estimation.p0"), p0);
+  readInteger(table, boundOf("estimation.q0"), q0);
 }
 
 void readSampler(const TomlTable& table, estimation::SamplerParameters& s) {
-  s.k_d = table.number("k_d_1_s", kPositive, s.k_d);
-  s.delta = table.number("delta_rad_s2", kPositive, s.delta);
-  s.epsilon = table.number("epsilon", kPositive, s.epsilon);
+  s.k_d = number(table, boundOf("estimation.k_d_1_s"), s.k_d);
+  s.delta = number(table, boundOf("estimation.delta_rad_s2"), s.delta);
+  s.epsilon = number(table, boundOf("estimation.epsilon"), s.epsilon);
   readExponent(table, s.p0, s.q0);
 }
 
 void readTerminalSliding(const TomlTable& table, estimation::TerminalSlidingParameters& s) {
-  s.terminal_linear = table.number("terminal_linear_1_s", kPositive, s.terminal_linear);
-  s.terminal_fractional = table.number("terminal_fractional", kPositive, s.terminal_fractional);
+  s.terminal_linear = number(table, boundOf("estimation.terminal_linear_1_s"), s.terminal_linear);
+  s.terminal_fractional = number(table, boundOf("estimation.terminal_fractional"), s.terminal_fractional);
   readExponent(table, s.p0, s.q0);
-  s.reaching = table.number("reaching_1_s", kPositive, s.reaching);
-  s.switching = table.number("switching_rad_s2", kPositive, s.switching);
-  s.boundary = table.number("boundary_rad_s", kPositive, s.boundary);
+  s.reaching = number(table, boundOf("estimation.reaching_1_s"), s.reaching);
+  s.switching = number(table, boundOf("estimation.switching_rad_s2"), s.switching);
+  s.boundary = number(table, boundOf("estimation.boundary_rad_s"), s.boundary);
 }
 
 void readMomentum(const TomlTable& table, const PerJointReader& perJoint, estimation::MomentumParameters& s) {
   using Order = estimation::MomentumParameters::Order;
   const bool first = table.choice("order", std::vector<std::string>{"first", "second"}, "second") == "first";
   s.order = first ? Order::kFirst : Order::kSecond;
-  s.bandwidth_Hz = perJoint("bandwidth_Hz", kBandwidth);
+  s.bandwidth_Hz = perJoint(boundOf("estimation.bandwidth_Hz"));
   if (!first) {
-    s.damping_ratio = perJoint("damping_ratio", Range{.minimum = 0.1, .maximum = 10.0}, s.damping_ratio);
+    s.damping_ratio = perJoint(boundOf("estimation.damping_ratio"), s.damping_ratio);
   }
 }
 
 void readSuperTwisting(const PerJointReader& perJoint, estimation::SuperTwistingParameters& s) {
   constexpr double kUsual = 1.5;
-  s.rate_bound = perJoint("rate_bound_rad_s3", kPositive);
+  s.rate_bound = perJoint(boundOf("estimation.rate_bound_rad_s3"));
   for (std::size_t i = 0; i < s.rate_bound.size(); ++i) {
     s.root_gain[i] = kUsual * std::sqrt(s.rate_bound[i]);
   }
-  s.root_gain = perJoint("root_gain", kPositive, s.root_gain);
+  s.root_gain = perJoint(boundOf("estimation.root_gain"), s.root_gain);
 }
 
 void readKalman(const TomlTable& table, int joints, bool force, estimation::KalmanSettings& s) {
@@ -104,15 +107,28 @@ void readKalman(const TomlTable& table, int joints, bool force, estimation::Kalm
                                  "constant_rate") == "random_walk";
   s.disturbance =
       walk ? KalmanSettings::Disturbance::kRandomWalk : KalmanSettings::Disturbance::kConstantRate;
-  s.position_noise_rad = table.number("position_noise_rad", kPositive);
-  s.velocity_noise_rad_s = table.number("velocity_noise_rad_s", kPositive, s.velocity_noise_rad_s);
-  s.torque_noise_Nm = table.number("torque_noise_Nm", kPositive);
+  s.position_noise_rad = number(table, boundOf("estimation.position_noise_rad"));
+  s.velocity_noise_rad_s = number(table, boundOf("estimation.velocity_noise_rad_s"), s.velocity_noise_rad_s);
+  s.torque_noise_Nm = number(table, boundOf("estimation.torque_noise_Nm"));
   // A force has two components, whatever the number of joints.
-  s.disturbance_density = PerJointReader(table, force ? 2 : joints)("disturbance_density", kPositive);
-  s.disturbance_limit = table.number("disturbance_limit", kPositive);
+  s.disturbance_density =
+      PerJointReader(table, force ? 2 : joints)(boundOf("estimation.disturbance_density"));
+  s.disturbance_limit = number(table, boundOf("estimation.disturbance_limit"));
   if (force) {
-    s.rest_density_Nm = table.number("rest_density_Nm", kNotNegative, s.rest_density_Nm);
+    s.rest_density_Nm = number(table, boundOf("estimation.rest_density_Nm"), s.rest_density_Nm);
   }
+}
+
+void requireBelowNyquist(const TomlTable& table, const char* key, double frequency_Hz, double period_s) {
+  if (frequency_Hz >= 0.5 / period_s) {
+    throw table.error(key, "value " + formatNumber(frequency_Hz) + ", expected less than " +
+                               formatNumber(0.5 / period_s) + ", half of the encoder's rate");
+  }
+}
+
+void requireBandwidth(const TomlTable& table, const PerJoint& bandwidth_Hz, double period_s) {
+  requireBelowNyquist(table, "bandwidth_Hz", *std::max_element(bandwidth_Hz.begin(), bandwidth_Hz.end()),
+                      period_s);
 }
 
 ObserverKind readKind(const TomlTable& table) {
@@ -160,9 +176,11 @@ ObserverConfig readEstimation(const TomlTable& table, int joints, tick::TickSett
       break;
     case ObserverKind::kMomentum:
       readMomentum(table, perJoint, config.momentum);
+      requireBandwidth(table, config.momentum.bandwidth_Hz, tick.encoder_period_s);
       break;
     case ObserverKind::kExtendedState:
-      config.extended_state_bandwidth_Hz = perJoint("bandwidth_Hz", kBandwidth);
+      config.extended_state_bandwidth_Hz = perJoint(boundOf("estimation.bandwidth_Hz"));
+      requireBandwidth(table, config.extended_state_bandwidth_Hz, tick.encoder_period_s);
       break;
     case ObserverKind::kSuperTwisting:
       readSuperTwisting(perJoint, config.super_twisting);
@@ -174,11 +192,14 @@ ObserverConfig readEstimation(const TomlTable& table, int joints, tick::TickSett
   }
   tick.drive_torque_sampled =
       table.choice("drive_torque", std::vector<std::string>{"held", "sampled"}, "held") == "sampled";
-  tick.velocity_cutoff_Hz = table.number("velocity_cutoff_Hz", kCutoff, tick.velocity_cutoff_Hz);
-  const Range below_nyquist{
-      .minimum = kCutoff.minimum, .maximum = 0.5 / tick.encoder_period_s, .maximum_open = true};
-  tick.estimate_cutoff_Hz = table.number("estimate_cutoff_Hz", below_nyquist,
-                                         needsLowPass(config.kind) ? tick.estimate_cutoff_Hz : 0.0);
+  const double usual_Hz = kUsualShare / tick.encoder_period_s;
+  tick.velocity_cutoff_Hz =
+      number(table, boundOf("estimation.velocity_cutoff_Hz"), std::min(tick.velocity_cutoff_Hz, usual_Hz));
+  tick.estimate_cutoff_Hz =
+      number(table, boundOf("estimation.estimate_cutoff_Hz"),
+             needsLowPass(config.kind) ? std::min(tick.estimate_cutoff_Hz, usual_Hz) : 0.0);
+  requireBelowNyquist(table, "velocity_cutoff_Hz", tick.velocity_cutoff_Hz, tick.encoder_period_s);
+  requireBelowNyquist(table, "estimate_cutoff_Hz", tick.estimate_cutoff_Hz, tick.encoder_period_s);
   return config;
 }
 

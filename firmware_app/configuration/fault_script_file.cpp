@@ -3,7 +3,7 @@
 #include <numbers>
 #include <string>
 
-#include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/files/bounded.hpp"
 
 namespace patella::app {
 namespace {
@@ -12,11 +12,6 @@ using sim::ChannelGroup;
 using sim::FaultEvent;
 using sim::FaultKind;
 using Names = std::vector<std::string>;
-
-constexpr Range kTime{.minimum = 0.0, .maximum = 1e7};
-constexpr Range kDuration{.minimum = 0.0, .maximum = 1e7, .minimum_open = true};
-constexpr Range kCycle{.minimum = 0.0005, .maximum = 100.0};
-constexpr Range kShare{.minimum = 0.0, .maximum = 1.0, .minimum_open = true};
 
 Names kindNames() {
   Names names;
@@ -68,61 +63,58 @@ void readChannel(const TomlTable& table, FaultEvent& event) {
 }
 
 void readFrameParameters(const TomlTable& table, FaultEvent& event) {
-  event.probability = table.number("probability", kShare, 1.0);
+  event.probability = number(table, boundOf("fault.probability"), 1.0);
   if (event.kind == FaultKind::kDelayedFrames) {
-    event.delay_s = table.number("delay_s", Range{.minimum = 0.001, .maximum = 10.0}, event.delay_s);
+    event.delay_s = number(table, boundOf("fault.delay_s"), event.delay_s);
   }
   if (event.kind == FaultKind::kFlippedBits) {
-    event.bits = static_cast<int>(table.integer("bits", 1, 64, event.bits));
+    readInteger(table, boundOf("fault.bits"), event.bits);
   }
   if (event.kind == FaultKind::kForgedFrames) {
-    event.value = table.number("value", Range{.minimum = -1e6, .maximum = 1e6});
+    event.value = number(table, boundOf("fault.value"));
     event.counter_correct = table.choice("counter", Names{"next", "same"}, "next") == "next";
     event.crc_correct = table.choice("crc", Names{"right", "wrong"}, "right") == "right";
   }
 }
 
 void readParameters(const TomlTable& table, FaultEvent& event) {
-  const Range angle{.minimum = -2.0 * std::numbers::pi, .maximum = 2.0 * std::numbers::pi};
-  const Range electrode_mV{.minimum = -1000.0, .maximum = 1000.0};
   switch (event.kind) {
     case FaultKind::kEncoderJump:
-      event.value = table.number("offset_rad", angle);
+      event.value = number(table, boundOf("fault.offset_rad"));
       break;
     case FaultKind::kEncoderDrift:
-      event.value = table.number("rate_rad_s", Range{.minimum = -100.0, .maximum = 100.0});
+      event.value = number(table, boundOf("fault.rate_rad_s"));
       break;
     case FaultKind::kEncoderWrap:
-      event.value =
-          table.number("turn_rad", Range{.minimum = 0.01, .maximum = 100.0}, 2.0 * std::numbers::pi);
+      event.value = number(table, boundOf("fault.turn_rad"), 2.0 * std::numbers::pi);
       break;
     case FaultKind::kEncoderFreeze:
       event.with_velocity = table.boolean("with_velocity", true);
       break;
     case FaultKind::kEmgSaturation:
-      event.value = table.number("level_mV", electrode_mV, 1.5);
+      event.value = number(table, boundOf("fault.level_mV"), 1.5);
       break;
     case FaultKind::kEmgDisconnection:
-      event.value = table.number("noise_mV", kNotNegative, 0.0);
+      event.value = number(table, boundOf("fault.noise_mV"), 0.0);
       break;
     case FaultKind::kEmgHum:
-      event.value = table.number("amplitude_mV", electrode_mV);
-      event.frequency_Hz = table.number("frequency_Hz", Range{.minimum = 45.0, .maximum = 65.0}, 50.0);
+      event.value = number(table, boundOf("fault.amplitude_mV"));
+      event.frequency_Hz = number(table, boundOf("fault.frequency_Hz"), 50.0);
       break;
     case FaultKind::kDriveNotFollowing:
-      event.value = table.number("gain", Range{.minimum = -1.0, .maximum = 2.0}, 0.0);
+      event.value = number(table, boundOf("fault.gain"), 0.0);
       break;
     case FaultKind::kDriveOverTorque:
-      event.value = table.number("extra_Nm", Range{.minimum = -500.0, .maximum = 500.0});
+      event.value = number(table, boundOf("fault.extra_Nm"));
       break;
     case FaultKind::kClockStep:
-      event.value = table.number("step_s", Range{.minimum = -1e5, .maximum = 1e5});
+      event.value = number(table, boundOf("fault.step_s"));
       break;
     case FaultKind::kGpioBounce:
-      event.value = table.number("period_s", Range{.minimum = 0.0005, .maximum = 1.0}, 0.002);
+      event.value = number(table, boundOf("fault.period_s"), 0.002);
       break;
     case FaultKind::kMemoryPressure:
-      event.value = table.number("size_MB", Range{.minimum = 1.0, .maximum = 1e6});
+      event.value = number(table, boundOf("fault.size_MB"));
       break;
     default:
       break;
@@ -149,8 +141,8 @@ void readCycle(const TomlTable& table, FaultEvent& event) {
     return;
   }
   if (table.has("cycle_s") || table.has("duty")) {
-    event.cycle_s = table.number("cycle_s", kCycle);
-    event.duty = table.number("duty", kShare);
+    event.cycle_s = number(table, boundOf("fault.cycle_s"));
+    event.duty = number(table, boundOf("fault.duty"));
   }
 }
 
@@ -171,12 +163,12 @@ FaultEvent readFault(const TomlTable& table, FaultStage stage) {
   FaultEvent event;
   event.kind = static_cast<FaultKind>(indexOf(kinds, table.choice("kind", kinds)));
   requireStage(table, event, stage);
-  event.time_s = table.number("time_s", kTime);
+  event.time_s = number(table, boundOf("fault.time_s"));
   if (table.has("duration_s")) {
-    event.duration_s = table.number("duration_s", kDuration);
+    event.duration_s = number(table, boundOf("fault.duration_s"));
   } else if (event.kind == FaultKind::kLoopStall || event.kind == FaultKind::kRigStall ||
              event.kind == FaultKind::kPeerRestart) {
-    event.duration_s = table.number("duration_s", kDuration);  // says that it is missing
+    event.duration_s = number(table, boundOf("fault.duration_s"));  // says that it is missing
   }
   readCycle(table, event);
   readStage(table, event);

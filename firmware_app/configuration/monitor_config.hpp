@@ -7,7 +7,8 @@
 
 namespace patella::app {
 
-/// `safety` is the table [safety]; what is absent has its default. Throws FileError.
-safety::MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints);
+/// `safety` is the table [safety]; what is absent has its default. In a rehearsal, which moves no motor,
+/// drives may be watched with more patience. Throws FileError.
+safety::MonitorSettings readMonitors(const TomlTable& safety, std::size_t joints, bool rehearsal);
 
 }  // namespace patella::app

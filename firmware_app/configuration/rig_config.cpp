@@ -1,8 +1,9 @@
 #include "firmware_app/configuration/rig_config.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "firmware_app/files/bounded.hpp"
 
 namespace patella::app {
 namespace {
@@ -20,32 +21,31 @@ void readInteraction(const TomlTable& table, sim::InteractionOptions& options) {
                                           : sim::InteractionKind::kNone;
   const std::string form = table.choice("form", Names{"as_printed", "corrected"}, "corrected");
   options.form = form == "as_printed" ? sim::InteractionForm::kAsPrinted : sim::InteractionForm::kCorrected;
-  options.human_rms_N =
-      table.number("human_rms_N", Range{.minimum = 0.0, .maximum = 500.0}, options.human_rms_N);
+  options.human_rms_N = number(table, boundOf("rig.interaction.human_rms_N"), options.human_rms_N);
   options.human_bandwidth_Hz =
-      table.number("human_bandwidth_Hz", Range{.minimum = 0.1, .maximum = 20.0, .minimum_open = true},
-                   options.human_bandwidth_Hz);
+      number(table, boundOf("rig.interaction.human_bandwidth_Hz"), options.human_bandwidth_Hz);
 }
 
 void readEncoder(const TomlTable& table, sim::EncoderOptions& options) {
-  options.bits_per_turn = static_cast<int>(table.integer("bits_per_turn", 0, 32, options.bits_per_turn));
+  readInteger(table, boundOf("rig.encoder.bits_per_turn"), options.bits_per_turn);
   options.position_noise_sd_rad =
-      table.number("position_noise_sd_rad", kNotNegative, options.position_noise_sd_rad);
+      number(table, boundOf("rig.encoder.position_noise_sd_rad"), options.position_noise_sd_rad);
   options.velocity_noise_sd_rad_s =
-      table.number("velocity_noise_sd_rad_s", kNotNegative, options.velocity_noise_sd_rad_s);
+      number(table, boundOf("rig.encoder.velocity_noise_sd_rad_s"), options.velocity_noise_sd_rad_s);
   options.velocity_step_rad_s =
-      table.number("velocity_step_rad_s", kNotNegative, options.velocity_step_rad_s);
+      number(table, boundOf("rig.encoder.velocity_step_rad_s"), options.velocity_step_rad_s);
 }
 
 void readDrive(const TomlTable& table, std::size_t joints, sim::DriveOptions& options) {
   const std::vector<double> limits(options.torque_limit_Nm.begin(),
                                    options.torque_limit_Nm.begin() + static_cast<std::ptrdiff_t>(joints));
-  const auto torque = table.numbers("torque_limit_Nm", CountRange::exactly(joints), kPositive, limits);
+  const auto torque =
+      numbers(table, boundOf("rig.drive.torque_limit_Nm"), CountRange::exactly(joints), limits);
   std::copy(torque.begin(), torque.end(), options.torque_limit_Nm.begin());
-  options.bandwidth_Hz = table.number("bandwidth_Hz", kNotNegative, options.bandwidth_Hz);
-  options.watchdog_s =
-      table.number("watchdog_s", Range{.minimum = 0.001, .maximum = 1.0}, options.watchdog_s);
-  options.report_noise_sd_Nm = table.number("report_noise_sd_Nm", kNotNegative, options.report_noise_sd_Nm);
+  options.bandwidth_Hz = number(table, boundOf("rig.drive.bandwidth_Hz"), options.bandwidth_Hz);
+  options.watchdog_s = number(table, boundOf("rig.drive.watchdog_s"), options.watchdog_s);
+  options.report_noise_sd_Nm =
+      number(table, boundOf("rig.drive.report_noise_sd_Nm"), options.report_noise_sd_Nm);
 }
 
 void readEmg(const TomlTable& table, sim::RigOptions& rig) {
@@ -56,14 +56,14 @@ void readEmg(const TomlTable& table, sim::RigOptions& rig) {
     return;
   }
   sim::EmgOptions options = pattern == "scheduled"
-                                ? sim::scheduledEmg(table.number("period_s", kPositive, 2.0))
+                                ? sim::scheduledEmg(number(table, boundOf("rig.emg.period_s"), 2.0))
                             : pattern == "movement" ? sim::movementEmg()
                             : pattern == "paper"    ? sim::paperEmg()
                                                     : sim::EmgOptions{};
-  options.low_Hz = table.number("low_Hz", kPositive, options.low_Hz);
-  options.high_Hz = table.number("high_Hz", kPositive, options.high_Hz);
-  options.hum_Hz = table.number("hum_Hz", Range{.minimum = 45.0, .maximum = 65.0}, options.hum_Hz);
-  const double hum_mV = table.number("hum_mV", kNotNegative, 0.0);
+  options.low_Hz = number(table, boundOf("rig.emg.low_Hz"), options.low_Hz);
+  options.high_Hz = number(table, boundOf("rig.emg.high_Hz"), options.high_Hz);
+  options.hum_Hz = number(table, boundOf("rig.emg.hum_Hz"), options.hum_Hz);
+  const double hum_mV = number(table, boundOf("rig.emg.hum_mV"), 0.0);
   for (sim::EmgChannelOptions& channel : options.channels) {
     channel.hum_mV = hum_mV;
   }
@@ -103,12 +103,11 @@ void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::
   const auto joints = static_cast<std::size_t>(config.model.joints());
   readRigModel(table, model, config);
   const std::vector<double> zero(joints, 0.0);
-  rig.seed =
-      static_cast<std::uint64_t>(table.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), 1));
-  rig.initial_q_rad = table.numbers("initial_q_rad", CountRange::exactly(joints), kAnyNumber, zero);
-  rig.initial_dq_rad_s = table.numbers("initial_dq_rad_s", CountRange::exactly(joints), kAnyNumber, zero);
+  rig.seed = static_cast<std::uint64_t>(integer(table, boundOf("rig.seed"), 1));
+  rig.initial_q_rad = numbers(table, boundOf("rig.initial_q_rad"), CountRange::exactly(joints), zero);
+  rig.initial_dq_rad_s = numbers(table, boundOf("rig.initial_dq_rad_s"), CountRange::exactly(joints), zero);
   rig.publish_truth = table.boolean("publish_truth", true);
-  rig.max_step_s = table.number("max_step_s", Range{.minimum = 1e-6, .maximum = 1e-4}, rig.max_step_s);
+  rig.max_step_s = number(table, boundOf("rig.max_step_s"), rig.max_step_s);
   rig.sensor_period_ns = std::llround(kNanoseconds * config.bus.map.encoder_period_s);
 
   readInteraction(table.optionalTable("interaction"), rig.interaction);
@@ -116,9 +115,10 @@ void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::
   readDrive(table.optionalTable("drive"), joints, rig.drive);
   readEmg(table.optionalTable("emg"), rig);
   const TomlTable buttons = table.optionalTable("operator");
-  rig.operator_buttons.enable_at_s = buttons.number("enable_at_s", kNotNegative, 0.0);
+  rig.operator_buttons.enable_at_s = number(buttons, boundOf("rig.operator.enable_at_s"), 0.0);
   const std::vector<double> none;
-  rig.operator_buttons.reset_at_s = buttons.numbers("reset_at_s", CountRange{0, 1000}, kNotNegative, none);
+  rig.operator_buttons.reset_at_s =
+      numbers(buttons, boundOf("rig.operator.reset_at_s"), CountRange{0, 1000}, none);
 }
 
 }  // namespace patella::app

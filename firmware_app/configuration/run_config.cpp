@@ -6,51 +6,71 @@
 #include "firmware_app/configuration/fault_script_file.hpp"
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
-#include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 
 namespace patella::app {
 namespace {
 
-constexpr Range kRate{.minimum = 50.0, .maximum = 20000.0};
-constexpr Range kDuration{.minimum = 0.0, .maximum = 1e7};
+constexpr Bound kRate = boundOf("loop.rate_Hz");
+constexpr Bound kDuration = boundOf("loop.duration_s");
+constexpr Bound kCpu = boundOf("realtime.cpus");
 
 void readLoop(const TomlTable& table, RunConfig& config) {
-  config.loop.rate_Hz = table.number("rate_Hz", kRate, config.loop.rate_Hz);
-  config.duration_s = table.number("duration_s", kDuration, config.duration_s);
+  config.rehearsal = table.boolean("rehearsal", false);
+  config.loop.rate_Hz = number(table, kRate, config.loop.rate_Hz);
+  config.duration_s = number(table, kDuration, config.duration_s);
   config.clock =
       table.choice("clock", std::vector<std::string>{"monotonic", "virtual"}, "monotonic") == "virtual"
           ? ClockKind::kVirtual
           : ClockKind::kMonotonic;
-  config.loop.warmup_ticks =
-      static_cast<int>(table.integer("warmup_ticks", 1, 100000, config.loop.warmup_ticks));
+  readInteger(table, boundOf("loop.warmup_ticks"), config.loop.warmup_ticks);
   config.loop.stall_tolerated_s =
-      table.number("stall_tolerated_s", Range{.minimum = 0.001, .maximum = LoopOptions::kCeilingStall_s},
-                   config.loop.stall_tolerated_s);
-  config.watchdog.timeout_s = table.number(
-      "watchdog_timeout_s", Range{.minimum = 0.002, .maximum = WatchdogOptions::kCeilingTimeout_s},
-      config.watchdog.timeout_s);
-  config.min_free_bytes = static_cast<std::uint64_t>(
-      1e6 * table.number("min_free_MB", Range{.minimum = 1.0, .maximum = 1e6}, 50.0));
-  config.loop.shutdown_frames =
-      static_cast<int>(table.integer("shutdown_frames", 3, 1000, config.loop.shutdown_frames));
+      number(table, boundOf("loop.stall_tolerated_s"), config.loop.stall_tolerated_s, config.rehearsal);
+  config.watchdog.timeout_s =
+      number(table, boundOf("loop.watchdog_timeout_s"), config.watchdog.timeout_s, config.rehearsal);
+  config.min_free_bytes = static_cast<std::uint64_t>(1e6 * number(table, boundOf("loop.min_free_MB"), 50.0));
+  readInteger(table, boundOf("loop.shutdown_frames"), config.loop.shutdown_frames);
 }
 
 void readRealtime(const TomlTable& table, RunConfig& config) {
   RealtimeOptions& r = config.realtime;
-  r.priority = static_cast<int>(table.integer("priority", 0, 99, r.priority));
+  readInteger(table, boundOf("realtime.priority"), r.priority);
   const std::vector<double> none;
-  for (const double cpu : table.numbers("cpus", CountRange{0, RealtimeOptions::kMaxCpu + 1},
-                                        Range{.minimum = 0.0, .maximum = RealtimeOptions::kMaxCpu}, none)) {
+  const CountRange count{0, static_cast<std::size_t>(kCpu.maximum) + 1};
+  for (const double cpu : numbers(table, kCpu, count, none)) {
     if (cpu != std::floor(cpu)) {
       throw table.error("cpus", "value " + formatNumber(cpu) + ", expected whole numbers of processors");
     }
     r.cpus.push_back(static_cast<int>(cpu));
   }
   r.lock_memory = table.boolean("lock_memory", r.lock_memory);
-  r.cpu_dma_latency_us =
-      static_cast<int>(table.integer("cpu_dma_latency_us", -1, 100000, r.cpu_dma_latency_us));
+  readInteger(table, boundOf("realtime.cpu_dma_latency_us"), r.cpu_dma_latency_us);
+}
+
+// What the loop counts in ticks or waits for must be longer than one of them.
+void requireTicks(const TomlTable& table, const RunConfig& config, bool duration_from_file) {
+  const double period_s = 1.0 / config.loop.rate_Hz;
+  const auto refusal = [&](double value) {
+    return "value " + formatNumber(value) + ", expected more than a tick, which is " +
+           formatNumber(period_s) + " s at " + formatNumber(config.loop.rate_Hz) + " Hz";
+  };
+  for (const auto& [key, value] : {std::pair{"stall_tolerated_s", config.loop.stall_tolerated_s},
+                                   std::pair{"watchdog_timeout_s", config.watchdog.timeout_s}}) {
+    if (value <= period_s) {
+      throw table.error(key, refusal(value));
+    }
+  }
+  if (config.duration_s > 0.0 && config.duration_s < period_s) {
+    const std::string problem = "value " + formatNumber(config.duration_s) +
+                                ", expected at least a tick, which is " + formatNumber(period_s) +
+                                " s, or 0 to run until stopped";
+    if (duration_from_file) {
+      throw table.error("duration_s", problem);
+    }
+    throw std::invalid_argument("--duration: " + problem);
+  }
 }
 
 void readGpio(const TomlTable& table, RunConfig& config) {
@@ -58,16 +78,11 @@ void readGpio(const TomlTable& table, RunConfig& config) {
     return;
   }
   gpio::GpiodPinsOptions options;
-  constexpr int kMaxLine = 1023;
   options.chip = table.string("chip");
-  const auto line = [&](const char* key) {
-    return static_cast<int>(
-        table.integer(key, gpio::GpiodPinsOptions::kNotWired, kMaxLine, gpio::GpiodPinsOptions::kNotWired));
-  };
-  options.emergency_stop_line = line("emergency_stop_line");
-  options.drive_enable_line = line("drive_enable_line");
-  options.heartbeat_line = line("heartbeat_line");
-  options.watchdog_line = line("watchdog_line");
+  readInteger(table, boundOf("gpio.emergency_stop_line"), options.emergency_stop_line);
+  readInteger(table, boundOf("gpio.drive_enable_line"), options.drive_enable_line);
+  readInteger(table, boundOf("gpio.heartbeat_line"), options.heartbeat_line);
+  readInteger(table, boundOf("gpio.watchdog_line"), options.watchdog_line);
   options.emergency_stop_active_low = table.boolean("emergency_stop_active_low", true);
   const std::string bias = table.choice(
       "emergency_stop_bias", std::vector<std::string>{"as_is", "pull_up", "pull_down"}, "pull_down");
@@ -94,18 +109,18 @@ void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
     config.clock = argument("--clock", *command_line.clock, parseClock);
   }
   if (command_line.duration_s) {
-    if (!kDuration.contains(*command_line.duration_s)) {
-      throw std::invalid_argument("--duration: value " + formatNumber(*command_line.duration_s) +
-                                  ", expected seconds " + kDuration.text());
-    }
+    requireArgument("--duration", kDuration, *command_line.duration_s);
     config.duration_s = *command_line.duration_s;
   }
   if (command_line.rate_Hz) {
-    if (!kRate.contains(*command_line.rate_Hz)) {
-      throw std::invalid_argument("--rate: value " + formatNumber(*command_line.rate_Hz) +
-                                  ", expected a rate in Hz " + kRate.text());
-    }
+    requireArgument("--rate", kRate, *command_line.rate_Hz);
     config.loop.rate_Hz = *command_line.rate_Hz;
+  }
+  for (const int cpu : command_line.cpus) {
+    requireArgument("--cpus", kCpu, cpu);
+  }
+  if (command_line.seed) {
+    requireArgument("--seed", boundOf("rig.seed"), static_cast<double>(*command_line.seed));
   }
   if (!command_line.cpus.empty()) {
     config.realtime.cpus = command_line.cpus;
@@ -176,7 +191,8 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   RunConfig config;
   config.path = command_line.config;
 
-  readLoop(root.optionalTable("loop"), config);
+  const TomlTable loop = root.optionalTable("loop");
+  readLoop(loop, config);
   readRealtime(root.optionalTable("realtime"), config);
   readGpio(root.optionalTable("gpio"), config);
   const TomlTable bus = root.table("bus");
@@ -187,15 +203,16 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     throw bus.error("backend", error.what());
   }
   config.bus_map_path = bus.path("map");
-  config.can_bitrate = static_cast<std::uint32_t>(bus.integer("bitrate_bit_s", 0, 8'000'000, 0));
+  config.can_bitrate = static_cast<std::uint32_t>(integer(bus, boundOf("bus.bitrate_bit_s"), 0));
   applyCommandLine(command_line, config);
+  requireTicks(loop, config, !command_line.duration_s);
 
   config.model_path = root.path("model");
   if (command_line.model) {
     config.model_path = *command_line.model;
   }
   config.model = loadModel(config.model_path);
-  config.bus = loadBusDescription(config.bus_map_path);
+  config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal);
   if (root.has("weights")) {
     config.weights_path = root.path("weights");
   }
@@ -211,7 +228,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   }
   readRigConfig(root.optionalTable("rig"), command_line.rig_model, config);
   if (command_line.seed) {
-    config.rig.seed = *command_line.seed;
+    config.rig.seed = static_cast<std::uint64_t>(*command_line.seed);
   }
   document.finish();
   if (command_line.faults) {

@@ -54,7 +54,7 @@ struct CommandLine {
   std::optional<std::filesystem::path> reference;  ///< a file with what [reference] holds
   std::optional<std::filesystem::path> faults;     ///< what is to go wrong
   bool only_rig = false;                           ///< for a rig as a process of its own
-  std::optional<std::uint64_t> seed;
+  std::optional<std::int64_t> seed;
   bool require_rt = false;
 };
 
@@ -69,6 +69,9 @@ struct RunConfig {
   Backend backend;
   ClockKind clock = ClockKind::kMonotonic;
   double duration_s = 0.0;  ///< 0: until stopped
+  /// Nothing but simulated drives listens: times may be as long as a host needs that is no rig's. Refused on
+  /// an interface that leads to a wire.
+  bool rehearsal = false;
   LoopOptions loop;
   RealtimeOptions realtime;
   WatchdogOptions watchdog;

@@ -1,17 +1,19 @@
 #include "firmware_app/configuration/tick_config.hpp"
 
 #include <algorithm>
-#include <numbers>
+#include <array>
 
-#include "core/safety/safety_limiter.hpp"
 #include "firmware_app/configuration/monitor_config.hpp"
+#include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
 namespace {
 
-constexpr Range kShare{.minimum = 0.0, .maximum = 1.0};
-constexpr double kPi = std::numbers::pi;
+constexpr Bound kOffset = boundOf("reference.joint.offset_rad");
+constexpr Bound kAmplitude = boundOf("reference.joint.amplitude_rad");
+constexpr Bound kFrequency = boundOf("reference.joint.frequency_Hz");
+constexpr Bound kPhase = boundOf("reference.joint.phase_rad");
 
 JointVector toJointVector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -22,7 +24,7 @@ void readNetwork(const TomlTable& table, RunConfig& config) {
   const std::string precision =
       table.choice("precision", std::vector<std::string>{"float32", "int16"}, "float32");
   inference.precision = precision == "int16" ? network::Precision::kInt16 : network::Precision::kFloat32;
-  inference.int16_tolerance = table.number("int16_tolerance", kPositive, inference.int16_tolerance);
+  inference.int16_tolerance = number(table, boundOf("network.int16_tolerance"), inference.int16_tolerance);
   std::vector<std::string> names = {"auto"};
   const std::vector<network::InstructionSet> sets = network::availableInstructionSets();
   for (const network::InstructionSet set : sets) {
@@ -41,24 +43,24 @@ void readEmg(const TomlTable& table, RunConfig& config) {
   e.rate_Hz = 1.0 / config.bus.map.emg_period_s;
   e.channels = kMaxEmgChannels;
   e.bypass = table.boolean("bypass", e.bypass);
-  e.band_low_Hz = table.number("band_low_Hz", kPositive, e.band_low_Hz);
-  e.band_high_Hz = table.number("band_high_Hz", kPositive, e.band_high_Hz);
-  e.mains_Hz = table.number("mains_Hz", Range{.minimum = 0.0, .maximum = 60.0}, e.mains_Hz);
-  e.envelope_Hz = table.number("envelope_Hz", kPositive, e.envelope_Hz);
-  e.twitch_s = table.number("twitch_s", Range{.minimum = 0.0, .maximum = 1.0}, e.twitch_s);
+  e.band_low_Hz = number(table, boundOf("emg.band_low_Hz"), e.band_low_Hz);
+  e.band_high_Hz = number(table, boundOf("emg.band_high_Hz"), e.band_high_Hz);
+  e.mains_Hz = number(table, boundOf("emg.mains_Hz"), e.mains_Hz);
+  e.envelope_Hz = number(table, boundOf("emg.envelope_Hz"), e.envelope_Hz);
+  e.twitch_s = number(table, boundOf("emg.twitch_s"), e.twitch_s);
   const auto channels = CountRange::exactly(kMaxEmgChannels);
   const std::vector<double> mvc(kMaxEmgChannels, 1.0);
   const std::vector<double> zero(kMaxEmgChannels, 0.0);
-  const auto mvc_mV = table.numbers("mvc_mV", channels, kPositive, mvc);
-  const auto rest_mV = table.numbers("rest_mV", channels, kNotNegative, zero);
-  const auto shape = table.numbers("shape", channels, Range{.minimum = -3.0, .maximum = 0.0}, zero);
-  const Range gain{.minimum = -emg::EmgTorqueMap::kMaxGain_Nm, .maximum = emg::EmgTorqueMap::kMaxGain_Nm};
+  const auto mvc_mV = numbers(table, boundOf("emg.mvc_mV"), channels, mvc);
+  const auto rest_mV = numbers(table, boundOf("emg.rest_mV"), channels, zero);
+  const auto shape = numbers(table, boundOf("emg.shape"), channels, zero);
+  constexpr std::array<Bound, kMaxJoints> kGain{boundOf("emg.gain1_Nm"), boundOf("emg.gain2_Nm")};
   for (std::size_t i = 0; i < kMaxEmgChannels; ++i) {
     e.channel[i] = {.mvc_mV = mvc_mV[i], .rest_mV = rest_mV[i], .shape = shape[i]};
   }
-  for (int joint = 0; joint < config.model.joints(); ++joint) {
-    const auto gains = table.numbers("gain" + std::to_string(joint + 1) + "_Nm", channels, gain, zero);
-    std::copy(gains.begin(), gains.end(), config.tick.emg_gain_Nm[static_cast<std::size_t>(joint)].begin());
+  for (std::size_t joint = 0; joint < static_cast<std::size_t>(config.model.joints()); ++joint) {
+    const auto gains = numbers(table, kGain[joint], channels, zero);
+    std::copy(gains.begin(), gains.end(), config.tick.emg_gain_Nm[joint].begin());
   }
 }
 
@@ -66,14 +68,14 @@ void readControl(const TomlTable& table, RunConfig& config) {
   control::ControlGains& g = config.tick.gains;
   const auto joints = static_cast<std::size_t>(config.model.joints());
   const std::vector<double> zero(joints, 0.0);
-  g.gravity = table.number("gravity", kShare, 0.0);
-  g.model = table.number("model", kShare, 0.0);
-  g.emg = table.number("emg", Range{.minimum = -5.0, .maximum = 5.0}, 0.0);
-  g.compensation = table.number("compensation", kShare, 0.0);
-  g.stiffness_Nm_rad = toJointVector(table.numbers("stiffness_Nm_rad", CountRange::exactly(joints),
-                                                   Range{.minimum = 0.0, .maximum = 10000.0}, zero));
-  g.damping_Nms_rad = toJointVector(table.numbers("damping_Nms_rad", CountRange::exactly(joints),
-                                                  Range{.minimum = 0.0, .maximum = 1000.0}, zero));
+  g.gravity = number(table, boundOf("control.gravity"), 0.0);
+  g.model = number(table, boundOf("control.model"), 0.0);
+  g.emg = number(table, boundOf("control.emg"), 0.0);
+  g.compensation = number(table, boundOf("control.compensation"), 0.0);
+  g.stiffness_Nm_rad =
+      toJointVector(numbers(table, boundOf("control.stiffness_Nm_rad"), CountRange::exactly(joints), zero));
+  g.damping_Nms_rad =
+      toJointVector(numbers(table, boundOf("control.damping_Nms_rad"), CountRange::exactly(joints), zero));
   const std::string source =
       table.choice("compensation_source", std::vector<std::string>{"none", "sampler", "network"}, "sampler");
   config.tick.compensation = source == "network"   ? tick::CompensationSource::kNetwork
@@ -86,61 +88,56 @@ void readControl(const TomlTable& table, RunConfig& config) {
 }
 
 // Three arrays of one length, a component an element; without phases, those that keep the peak low.
-control::MultisineMotion readMultisine(const TomlTable& table, Range angle) {
-  control::MultisineMotion motion{.offset_rad = table.number("offset_rad", angle), .components = {}};
+control::MultisineMotion readMultisine(const TomlTable& table) {
+  control::MultisineMotion motion{.offset_rad = number(table, kOffset), .components = {}};
   const auto frequency_Hz =
-      table.numbers("frequency_Hz", CountRange{1, control::MultisineMotion::kMaxComponents},
-                    Range{.minimum = 0.0, .maximum = 5.0});
+      numbers(table, kFrequency, CountRange{1, control::MultisineMotion::kMaxComponents});
   const std::size_t count = frequency_Hz.size();
-  const auto amplitude_rad =
-      table.numbers("amplitude_rad", CountRange::exactly(count), Range{.minimum = 0.0, .maximum = kPi});
+  const auto amplitude_rad = numbers(table, kAmplitude, CountRange::exactly(count));
   std::vector<double> phase_rad;
   for (std::size_t k = 0; k < count; ++k) {
     phase_rad.push_back(control::schroederPhase_rad(k, count));
   }
-  phase_rad = table.numbers("phase_rad", CountRange::exactly(count), angle, phase_rad);
+  phase_rad = numbers(table, kPhase, CountRange::exactly(count), phase_rad);
   double sum_rad = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     motion.components.push_back(
         {.amplitude_rad = amplitude_rad[k], .frequency_Hz = frequency_Hz[k], .phase_rad = phase_rad[k]});
     sum_rad += amplitude_rad[k];
   }
-  if (sum_rad > kPi) {
+  if (sum_rad > kAmplitude.maximum) {
     throw table.error("amplitude_rad", "sum " + formatNumber(sum_rad) + ", expected a sum of " +
-                                           formatNumber(kPi) + " at most");
+                                           formatNumber(kAmplitude.maximum) + " at most");
   }
   return motion;
 }
 
 control::JointMotion readMotion(const TomlTable& table) {
-  const Range angle{.minimum = -2.0 * kPi, .maximum = 2.0 * kPi};
   const std::string motion =
       table.choice("motion", std::vector<std::string>{"hold", "sinusoid", "multisine", "move"});
   if (motion == "sinusoid") {
-    return control::SinusoidMotion{
-        .offset_rad = table.number("offset_rad", angle),
-        .amplitude_rad = table.number("amplitude_rad", Range{.minimum = 0.0, .maximum = kPi}),
-        .frequency_Hz = table.number("frequency_Hz", Range{.minimum = 0.0, .maximum = 20.0}),
-        .phase_rad = table.number("phase_rad", angle, 0.0)};
+    return control::SinusoidMotion{.offset_rad = number(table, kOffset),
+                                   .amplitude_rad = number(table, kAmplitude),
+                                   .frequency_Hz = number(table, kFrequency),
+                                   .phase_rad = number(table, kPhase, 0.0)};
   }
   if (motion == "multisine") {
-    return readMultisine(table, angle);
+    return readMultisine(table);
   }
   if (motion == "move") {
-    return control::MoveMotion{
-        .target_rad = table.number("target_rad", angle),
-        .duration_s = table.number("duration_s", Range{.minimum = 0.1, .maximum = 600.0})};
+    return control::MoveMotion{.target_rad = number(table, boundOf("reference.joint.target_rad")),
+                               .duration_s = number(table, boundOf("reference.joint.duration_s"))};
   }
   control::HoldMotion hold;
   if (table.has("position_rad")) {
-    hold.position_rad = table.number("position_rad", angle);
+    hold.position_rad = number(table, boundOf("reference.joint.position_rad"));
   }
   return hold;
 }
 
 control::ReferenceSettings readReference(const TomlTable& table, const RunConfig& config) {
   control::ReferenceSettings r;
-  r.blend_s = table.number("blend_s", Range{.minimum = 0.1, .maximum = 60.0}, r.blend_s);
+  r.blend_s = number(table, boundOf("reference.blend_s"), r.blend_s);
   const std::vector<TomlTable> joints = table.tables("joint");
   const auto expected = static_cast<std::size_t>(config.model.joints());
   if (!joints.empty() && joints.size() != expected) {
@@ -155,18 +152,16 @@ control::ReferenceSettings readReference(const TomlTable& table, const RunConfig
 
 void readSafety(const TomlTable& table, RunConfig& config) {
   const auto joints = static_cast<std::size_t>(config.model.joints());
-  const auto perJoint = [&](const char* key, double ceiling) {
-    return table.numbers(key, CountRange::exactly(joints),
-                         Range{.minimum = 0.0, .maximum = ceiling, .minimum_open = true});
+  const auto perJoint = [&](const Bound& bound) {
+    return numbers(table, bound, CountRange::exactly(joints));
   };
-  const Range angle{.minimum = -safety::kCeilingAngle_rad, .maximum = safety::kCeilingAngle_rad};
-  const auto torque = perJoint("torque_Nm", safety::kCeilingTorque_Nm);
-  const auto rate = perJoint("torque_rate_Nm_s", safety::kCeilingTorqueRate_Nm_s);
-  const auto velocity = perJoint("velocity_rad_s", safety::kCeilingVelocity_rad_s);
-  const auto lower = table.numbers("q_min_rad", CountRange::exactly(joints), angle);
-  const auto upper = table.numbers("q_max_rad", CountRange::exactly(joints), angle);
+  const auto torque = perJoint(boundOf("safety.torque_Nm"));
+  const auto rate = perJoint(boundOf("safety.torque_rate_Nm_s"));
+  const auto velocity = perJoint(boundOf("safety.velocity_rad_s"));
+  const auto lower = perJoint(boundOf("safety.q_min_rad"));
+  const auto upper = perJoint(boundOf("safety.q_max_rad"));
   const std::vector<double> margins(joints, safety::JointLimits{}.soft_margin_rad);
-  const auto margin = table.numbers("soft_margin_rad", CountRange::exactly(joints), kNotNegative, margins);
+  const auto margin = numbers(table, boundOf("safety.soft_margin_rad"), CountRange::exactly(joints), margins);
   safety::SafetyLimits& limits = config.tick.limits;
   for (std::size_t i = 0; i < joints; ++i) {
     limits.joint[i] = {.torque_Nm = torque[i],
@@ -177,19 +172,14 @@ void readSafety(const TomlTable& table, RunConfig& config) {
                        .soft_margin_rad = margin[i]};
   }
   limits.saturation_timeout_s =
-      table.number("saturation_timeout_s", Range{.minimum = 0.001, .maximum = safety::kCeilingSaturation_s},
-                   limits.saturation_timeout_s);
-  config.tick.healthy_ticks =
-      static_cast<int>(table.integer("healthy_ticks", 1, 10000, config.tick.healthy_ticks));
-  config.tick.monitors = readMonitors(table, joints);
-  config.loop.overruns_tolerated =
-      static_cast<int>(table.integer("overruns_tolerated", 0, 100, config.loop.overruns_tolerated));
-  config.loop.missed_share_tolerated =
-      table.number("missed_share_tolerated",
-                   Range{.minimum = 0.001, .maximum = LoopOptions::kCeilingMissedShare},
-                   config.loop.missed_share_tolerated);
-  config.loop.send_failures_tolerated =
-      static_cast<int>(table.integer("send_failures_tolerated", 0, 100, config.loop.send_failures_tolerated));
+      number(table, boundOf("safety.saturation_timeout_s"), limits.saturation_timeout_s);
+  readInteger(table, boundOf("safety.healthy_ticks"), config.tick.healthy_ticks);
+  config.tick.monitors = readMonitors(table, joints, config.rehearsal);
+  readInteger(table, boundOf("safety.overruns_tolerated"), config.loop.overruns_tolerated, config.rehearsal);
+  config.loop.missed_share_tolerated = number(table, boundOf("safety.missed_share_tolerated"),
+                                              config.loop.missed_share_tolerated, config.rehearsal);
+  readInteger(table, boundOf("safety.send_failures_tolerated"), config.loop.send_failures_tolerated,
+              config.rehearsal);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "core/model/effect.hpp"
 #include "firmware_app/files/atomic_file.hpp"
-#include "firmware_app/files/toml_table.hpp"
+#include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
@@ -29,31 +29,34 @@ struct Overloaded : Visitors... {
 template <typename... Visitors>
 Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
-std::array<double, 2> readPair(const TomlTable& table, std::string_view key, Range range) {
-  const std::vector<double> values = table.numbers(key, CountRange::exactly(2), range);
+std::array<double, 2> readPair(const TomlTable& table, const Bound& bound) {
+  const std::vector<double> values = numbers(table, bound, CountRange::exactly(2));
   return {values[0], values[1]};
 }
 
 MechanismDescription readMechanism(const TomlTable& table) {
   const std::string kind =
       table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic});
-  const double gravity = table.number("gravity_m_s2", kNotNegative, 9.81);
+  const double gravity = number(table, boundOf("mechanism.gravity_m_s2"), 9.81);
   if (kind == kPlanarTwoLink) {
-    return PlanarTwoLinkParameters{.mass_kg = readPair(table, "mass_kg", kPositive),
-                                   .length_m = readPair(table, "length_m", kPositive),
-                                   .com_m = readPair(table, "com_m", kNotNegative),
-                                   .inertia_kg_m2 = readPair(table, "inertia_kg_m2", kNotNegative),
-                                   .gravity_m_s2 = gravity};
+    return PlanarTwoLinkParameters{
+        .mass_kg = readPair(table, boundOf("mechanism.mass_kg (planar_two_link)")),
+        .length_m = readPair(table, boundOf("mechanism.length_m (planar_two_link)")),
+        .com_m = readPair(table, boundOf("mechanism.com_m (planar_two_link)")),
+        .inertia_kg_m2 = readPair(table, boundOf("mechanism.inertia_kg_m2 (planar_two_link)")),
+        .gravity_m_s2 = gravity};
   }
   if (kind == kRevolute) {
-    return RevoluteJointParameters{.inertia_kg_m2 = table.number("inertia_kg_m2", kPositive),
-                                   .moment_kg_m = table.number("moment_kg_m", kNotNegative),
-                                   .length_m = table.number("length_m", kPositive),
-                                   .gravity_m_s2 = gravity};
+    return RevoluteJointParameters{
+        .inertia_kg_m2 = number(table, boundOf("mechanism.inertia_kg_m2 (revolute)")),
+        .moment_kg_m = number(table, boundOf("mechanism.moment_kg_m (revolute)")),
+        .length_m = number(table, boundOf("mechanism.length_m (revolute)")),
+        .gravity_m_s2 = gravity};
   }
-  return PrismaticJointParameters{.mass_kg = table.number("mass_kg", kPositive),
-                                  .inclination_rad = table.number("inclination_rad", kAnyNumber, 0.0),
-                                  .gravity_m_s2 = gravity};
+  return PrismaticJointParameters{
+      .mass_kg = number(table, boundOf("mechanism.mass_kg (prismatic)")),
+      .inclination_rad = number(table, boundOf("mechanism.inclination_rad (prismatic)"), 0.0),
+      .gravity_m_s2 = gravity};
 }
 
 std::vector<std::string> knownEffects() {

@@ -1,10 +1,10 @@
 #include "firmware_app/files/wording.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <charconv>
 #include <vector>
+
+#include "core/check.hpp"
 
 namespace patella::app {
 namespace {
@@ -50,9 +50,7 @@ bool lacksUnit(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string formatNumber(double value) {
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
+  return shortestText(value);
 }
 
 std::string quotedList(std::span<const std::string> names) {

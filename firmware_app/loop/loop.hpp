@@ -22,8 +22,6 @@
 namespace patella::app {
 
 struct LoopOptions {
-  static constexpr double kCeilingStall_s = 1.0;
-  static constexpr double kCeilingMissedShare = 0.2;
   double rate_Hz = 1000.0;
   std::uint64_t max_ticks = 0;      ///< 0: until stopped or the backend is exhausted
   int overruns_tolerated = 3;       ///< consecutive ticks that may miss their period before a fault

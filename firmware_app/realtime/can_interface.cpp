@@ -157,6 +157,14 @@ void setCanInterfaceUp(const std::string& name, bool up) {
   }
 }
 
+void requireVirtual(const std::string& name) {
+  const std::optional<CanInterface> found = queryCanInterface(name);
+  if (!found || found->kind != "vcan") {
+    throw std::invalid_argument("loop.rehearsal = true on CAN interface " + name +
+                                ", expected a virtual one (vcan): a rehearsal moves no motor");
+  }
+}
+
 bool kernelHasCan() noexcept {
   return Socket(PF_CAN, SOCK_RAW, CAN_RAW).fd() >= 0;
 }

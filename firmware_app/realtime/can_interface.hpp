@@ -27,6 +27,9 @@ std::optional<CanInterface> queryCanInterface(const std::string& name);
 /// interface and the system's reason.
 void setCanInterfaceUp(const std::string& name, bool up);
 
+/// Throws std::invalid_argument unless the interface is a vcan, which no motor hears.
+void requireVirtual(const std::string& name);
+
 /// True when the kernel has raw CAN sockets.
 bool kernelHasCan() noexcept;
 

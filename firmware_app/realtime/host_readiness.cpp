@@ -83,6 +83,16 @@ Finding cpuListFinding(const HostFiles& host, const HostNeeds& needs, const std:
                        : "bind the loop to a processor, then boot with " + parameter);
 }
 
+Finding processorsFinding(const HostFiles& host, const HostNeeds& needs) {
+  const std::vector<int> online = host.cpuList("sys/devices/system/cpu/online");
+  const bool ok = std::all_of(needs.cpus.begin(), needs.cpus.end(), [&](int cpu) {
+    return std::find(online.begin(), online.end(), cpu) != online.end();
+  });
+  return finding("processors", kRequired, ok, formatCpuList(online),
+                 needs.cpus.empty() ? "any" : formatCpuList(needs.cpus),
+                 "name processors that are online in realtime.cpus");
+}
+
 Finding dmaLatencyFinding(const HostFiles& host) {
   const bool ok = host.writable("dev/cpu_dma_latency");
   const bool there = host.exists("dev/cpu_dma_latency");
@@ -183,6 +193,7 @@ std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host
       rtprioFinding(needs.priority),
       memlockFinding(),
       governorFinding(host),
+      processorsFinding(host, needs),
       cpuListFinding(host, needs, "isolated_cpus", "isolated", "isolcpus"),
       cpuListFinding(host, needs, "nohz_full", "nohz_full", "nohz_full"),
       dmaLatencyFinding(host),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
+#include <thread>
 
 #include <fcntl.h>
 #include <malloc.h>
@@ -12,6 +13,8 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <unistd.h>
+
+#include "core/bounds/bounds.hpp"
 
 namespace patella::app {
 
@@ -35,16 +38,8 @@ std::size_t stackLeft() {
 }
 
 void checkOptions(const RealtimeOptions& options) {
-  if (options.priority < 0 || options.priority > 99) {
-    throw std::invalid_argument("real-time priority " + std::to_string(options.priority) +
-                                ": expected 1 to 99, or 0 for none");
-  }
-  for (const int cpu : options.cpus) {
-    if (cpu < 0 || cpu >= CPU_SETSIZE) {
-      throw std::invalid_argument("processor " + std::to_string(cpu) + ": expected 0 to " +
-                                  std::to_string(CPU_SETSIZE - 1));
-    }
-  }
+  requireBound(boundOf("realtime.priority"), options.priority);
+  requireUsable(options.cpus);
   const std::size_t left = stackLeft();
   if (options.prefault_stack_bytes + kStackReserve > left) {
     throw std::invalid_argument("prefault_stack_bytes " + std::to_string(options.prefault_stack_bytes) +
@@ -103,6 +98,10 @@ const char* policyName(int policy) {
     default:
       return "other";
   }
+}
+
+void bindTo(const cpu_set_t& set) noexcept {
+  pthread_setaffinity_np(pthread_self(), sizeof set, &set);
 }
 
 std::vector<int> affinity() {
@@ -180,7 +179,33 @@ void keepOff(const std::vector<int>& cpus) noexcept {
     CPU_CLR(cpu, &set);
   }
   if (CPU_COUNT(&set) > 0) {
-    pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+    bindTo(set);
+  }
+}
+
+std::vector<int> usableProcessors() {
+  std::vector<int> usable;
+  // The mask in force may be narrower: isolated processors are in nobody's until he asks for them. The kernel
+  // cuts down what is asked for; a thread that ends then is not bound by it.
+  std::thread([&usable] {
+    cpu_set_t all;
+    CPU_ZERO(&all);
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      CPU_SET(cpu, &all);
+    }
+    bindTo(all);
+    usable = affinity();
+  }).join();
+  return usable;
+}
+
+void requireUsable(const std::vector<int>& cpus) {
+  const std::vector<int> usable = cpus.empty() ? cpus : usableProcessors();
+  for (const int cpu : cpus) {
+    if (std::find(usable.begin(), usable.end(), cpu) == usable.end()) {
+      throw std::invalid_argument("realtime.cpus: processor " + std::to_string(cpu) +
+                                  ", expected one that this process may use: " + formatCpuList(usable));
+    }
   }
 }
 
@@ -225,7 +250,7 @@ void RealtimeSetup::apply(const RealtimeOptions& options, const HostFiles& host)
     for (const int cpu : options.cpus) {
       CPU_SET(cpu, &set);
     }
-    pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+    bindTo(set);
   }
   if (options.priority > 0) {
     sched_param parameters{};

@@ -11,8 +11,7 @@
 namespace patella::app {
 
 struct RealtimeOptions {
-  static constexpr int kMaxCpu = 1023;                 ///< CPU_SETSIZE − 1
-  int priority = 80;                                   ///< SCHED_FIFO 1..99; 0 leaves the scheduling alone
+  int priority = 80;                                   ///< SCHED_FIFO; 0 leaves the scheduling alone
   std::vector<int> cpus;                               ///< processors to bind the thread to; empty: any
   bool lock_memory = true;                             ///< mlockall(2), present and future pages
   std::size_t prefault_stack_bytes = 256 * 1024;       ///< touched at once, below the caller's frame
@@ -24,6 +23,12 @@ struct RealtimeOptions {
 /// Binds the calling thread, and with it those that it will start, to processors other than these, where
 /// there are others that it may use: what writes files or shows progress would make the loop wait there.
 void keepOff(const std::vector<int>& cpus) noexcept;
+
+/// Those that a thread of this process may be bound to: online, and in its cpuset.
+std::vector<int> usableProcessors();
+
+/// Throws std::invalid_argument naming the first of these that is not usable, and those that are.
+void requireUsable(const std::vector<int>& cpus);
 
 /// What was achieved, read back from the kernel.
 struct RealtimeReport {

@@ -4,6 +4,7 @@
 
 #include <pthread.h>
 
+#include "core/bounds/bounds.hpp"
 #include "core/check.hpp"
 #include "drivers/signal_stack.hpp"
 
@@ -14,8 +15,6 @@ using SteadyClock = std::chrono::steady_clock;
 
 /// Looks at the loop so many times in a timeout.
 constexpr int kLooks = 8;
-constexpr double kShortestTimeout_s = 0.002;
-constexpr double kLongestPeriod_s = 1.0;
 
 SteadyClock::duration toDuration(double seconds) {
   return std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(seconds));
@@ -24,9 +23,8 @@ SteadyClock::duration toDuration(double seconds) {
 }  // namespace
 
 Watchdog::Watchdog(const WatchdogOptions& options, gpio::Pins& pins) : options_(options), pins_(pins) {
-  requireRange("watchdog.timeout_s", options.timeout_s, kShortestTimeout_s,
-               WatchdogOptions::kCeilingTimeout_s);
-  requireRange("watchdog.loop_period_s", options.loop_period_s, 0.0, kLongestPeriod_s);
+  requireBound(boundOf("loop.watchdog_timeout_s"), options.timeout_s);
+  requireRange("loop period", options.loop_period_s, 0.0, options.timeout_s);
   thread_ = startThread([this] { run(); });
 }
 

@@ -130,6 +130,9 @@ ModelFitter::ModelFitter(const Dataset& data, const app::ModelDescription& nomin
   for (const PhysicalParameter& parameter : physicalParameters(mechanism)) {
     names_.push_back(parameter.name);
     values_.push_back(*parameter.value);
+    // What it finds must be a model that can be read again.
+    const double room = std::log(parameter.bound.maximum / *parameter.value);
+    largest_logarithm_.push_back(std::min(kLargestLogarithm, room));
   }
   const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal.mechanism, .effects = {}});
   regressor_ = data.regressor(dynamics.mechanism(), JointVector::Zero(data.joints()));
@@ -186,7 +189,8 @@ app::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logar
   app::MechanismDescription mechanism = nominal_.mechanism;
   const std::vector<PhysicalParameter> parameters = physicalParameters(mechanism);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    *parameters[i].value *= std::exp(logarithms[i]);
+    const auto& [name, value, range] = parameters[i];
+    *value = std::clamp(*value * std::exp(logarithms[i]), range.minimum, range.maximum);
   }
   return mechanism;
 }
@@ -264,8 +268,11 @@ void ModelFitter::linearise(ModelFit& fit) {
   const model::BaseParameters base = baseParameters(mechanismAt(fit.mechanism));
   for (Eigen::Index i = 0; i < mechanisms; ++i) {
     std::vector<double> moved = fit.mechanism;
-    moved[static_cast<std::size_t>(i)] += kRelativeStep;
-    const model::BaseParameters slope = (baseParameters(mechanismAt(moved)) - base) / kRelativeStep;
+    double& logarithm = moved[static_cast<std::size_t>(i)];
+    const bool room = logarithm + kRelativeStep <= largest_logarithm_[static_cast<std::size_t>(i)];
+    const double step = room ? kRelativeStep : -kRelativeStep;
+    logarithm += step;
+    const model::BaseParameters slope = (baseParameters(mechanismAt(moved)) - base) / step;
     fit.tangent.col(i) = regressor * slope;
   }
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
@@ -312,7 +319,7 @@ void ModelFitter::solve(ModelFit& fit, const Weighting& weighting) {
     value = std::clamp(value, lower, upper);
   };
   for (std::size_t i = 0; i < fit.mechanism.size(); ++i) {
-    bound(static_cast<Eigen::Index>(i), -kLargestLogarithm, kLargestLogarithm);
+    bound(static_cast<Eigen::Index>(i), -kLargestLogarithm, largest_logarithm_[i]);
   }
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     const Recipe& recipe = *fit.terms[t].recipe;

@@ -110,6 +110,7 @@ class ModelFitter {
   FitOptions options_;
   std::vector<std::string> names_;
   std::vector<double> values_;
+  std::vector<double> largest_logarithm_;        ///< by which a value may grow
   std::unique_ptr<model::Mechanism> mechanism_;  ///< nominal; effects that need one use it
   Eigen::MatrixXd regressor_;
   Eigen::VectorXd torque_;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/bounds/bounds.hpp"
 #include "firmware_app/files/model_file.hpp"
 
 namespace patella::diagnose {
@@ -11,6 +12,7 @@ namespace patella::diagnose {
 struct PhysicalParameter {
   std::string name;  ///< as in the model's file, with the link's number: "com_m[2]"
   double* value;
+  Bound bound;  ///< that a model file has to keep
 };
 
 /// Of `mechanism`, which must outlive them; without those that are zero, which have no ratio.

@@ -25,7 +25,8 @@ app::BusDescription busOf(const std::filesystem::path& log, const RecordingOptio
                          options.columns->string() + ") does not describe; expected --dbc");
   }
   if (options.bus_map) {
-    return app::loadBusDescription(*options.bus_map, options.dbc);
+    constexpr bool kRehearsal = true;  // a recording moves no motor, whatever its map waits for
+    return app::loadBusDescription(*options.bus_map, options.dbc, kRehearsal);
   }
   if (!options.dbc) {
     throw app::FileError(log.string() +

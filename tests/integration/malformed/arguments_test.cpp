@@ -107,6 +107,53 @@ TEST_CASE("an output that holds a recording is left as it is") {
   }
 }
 
+TEST_CASE("a run shorter than a tick, or longer than any, is refused") {
+  expectRefusedWith({"--duration", "0.0004"}, {"--duration: value 4e-04, expected at least a tick", "0.001 s",
+                                               "or 0 to run until stopped"});
+  expectRefusedWith({"--duration", "9.9e-4"}, {"--duration: value 0.00099, expected at least a tick"});
+  expectRefusedWith({"--duration", "2592001"}, {"--duration: value 2592001, expected", "[0, 2592000]"});
+  expectRefusedWith({"--duration", "inf"}, {"--duration: value inf, expected", "[0, 2592000]"});
+}
+
+TEST_CASE("processors and seeds that there are not") {
+  expectRefusedWith({"--cpus", "1024"}, {"--cpus: value 1024, expected", "[0, 1023]"});
+  expectRefusedWith({"--cpus", "0,-1"}, {"--cpus: value -1, expected", "[0, 1023]"});
+  expectRefusedWith({"--cpus", "1023"},
+                    {"realtime.cpus: processor 1023, expected one that this process may use: "});
+  expectRefusedWith({"--seed", "-1"}, {"--seed: value -1, expected", "[0, 9007199254740991]"});
+  expectRefusedWith({"--seed", "9007199254740993"}, {"--seed: value ", "expected", "[0, 9007199254740991]"});
+}
+
+TEST_CASE("what is shorter than a tick cannot be counted in ticks") {
+  expectRefused({
+      {"stall",
+       replaced(kConfig, "duration_s = 12", "stall_tolerated_s = 0.001"),
+       {"adult.toml:{line}: key 'loop.stall_tolerated_s': value 0.001, expected more than a tick"},
+       {}},
+      {"watchdog",
+       replaced(kConfig, "rate_Hz = 1000", "rate_Hz = 100\nwatchdog_timeout_s = 0.01"),
+       {"adult.toml:", ": key 'loop.watchdog_timeout_s': value 0.01, expected more than a tick"},
+       {}},
+  });
+}
+
+TEST_CASE("a rehearsal is refused where a motor may listen") {
+  Workshop workshop;
+  workshop.replace(kConfig, "duration_s = 12", "duration_s = 12\nrehearsal = true");
+  for (const char* command : {"run", "check"}) {
+    std::vector<std::string> arguments = {command, "--config", workshop.file(kConfig).string(), "--backend",
+                                          "can:lo"};
+    if (command == std::string("run")) {
+      arguments.insert(arguments.end(), {"--out", workshop.output().string()});
+    }
+    const Outcome outcome = workshop.patella(arguments);
+    INFO(outcome.errors);
+    CHECK(outcome.exit_status == 1);
+    CHECK(outcome.errors.find("loop.rehearsal = true on CAN interface lo, expected a virtual one (vcan)") !=
+          std::string::npos);
+  }
+}
+
 TEST_CASE("a host that cannot keep time is refused where it must, and leaves nothing behind") {
   // No host has that many processors: what is required is missing everywhere.
   Workshop workshop;

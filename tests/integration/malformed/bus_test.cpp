@@ -65,7 +65,7 @@ TEST_CASE("a map from signals to inputs that does not fit") {
       {"scale of nothing",
        replaced(kMap, knee,
                 "{ name = \"position_rad.2\", message = \"Encoder2\", signal = \"Position\", scale = 0 },"),
-       {"can/patella.toml:{line}: key 'input[3]': input 'position_rad.2'", "scale is 0, expected 1 or -1"},
+       {"can/patella.toml:{line}: key 'input[3].scale': value 0, expected a magnitude in [1e-10, 10000]"},
        {}},
       {"CRC that is no byte",
        replaced(kMap, "{ message = \"Encoder2\", counter = \"Counter\", crc = \"Crc\" },",
@@ -91,7 +91,7 @@ TEST_CASE("a map from signals to inputs that does not fit") {
       {"timeout of zero",
        replaced(kMap, "encoder_timeout_s = 0.005", "encoder_timeout_s = 0"),
        {"can/patella.toml:{line}: key 'checks.encoder_timeout_s': value 0, expected a number in [5e-04, "
-        "10]"},
+        "0.02]"},
        {}},
       {"position range turned round",
        replaced(kMap, "position_min_rad = -6.3", "position_min_rad = 7"),

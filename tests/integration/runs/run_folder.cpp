@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-#include "firmware_app/loop/loop.hpp"
+#include "core/bounds/bounds.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tests/support/paths.hpp"
 
@@ -33,8 +33,8 @@ app::RunConfig demonstration(double duration_s, const std::string& backend, cons
   line.duration_s = duration_s;
   app::RunConfig config = app::loadRunConfig(line);
   // A busy host is not the subject.
-  config.loop.stall_tolerated_s = app::LoopOptions::kCeilingStall_s;
-  config.watchdog.timeout_s = app::WatchdogOptions::kCeilingTimeout_s;
+  config.loop.stall_tolerated_s = boundOf("loop.stall_tolerated_s").rehearsal_maximum;
+  config.watchdog.timeout_s = boundOf("loop.watchdog_timeout_s").rehearsal_maximum;
   return config;
 }
 

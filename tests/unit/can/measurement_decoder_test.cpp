@@ -368,7 +368,16 @@ TEST_CASE("what cannot be bound is named together with what exists") {
   CHECK(why(map).find("no message 'Encoder9'") != std::string::npos);
   map = test::rigMap();
   map.encoder_timeout_s = 0.0;
-  CHECK(why(map).starts_with("encoder_timeout_s is 0"));
+  CHECK(why(map) == "checks.encoder_timeout_s = 0, expected 5e-04 to 1");
+  map = test::rigMap();
+  map.position_max_rad = 1e308;
+  CHECK(why(map).starts_with("checks.position_max_rad = 1e+308, expected "));
+  map = test::rigMap();
+  map.position_jump_rad = 1e300;
+  CHECK(why(map) == "checks.position_jump_rad = 1e+300, expected 1e-05 to 0.25");
+  map = test::rigMap();
+  map.bindings[0].scale = 0.0;
+  CHECK(why(map) == "input 'position_rad.1': scale = 0, expected 1e-10 to 10000");
   CHECK(why(test::rigMap(), 3).starts_with("number of joints is 3"));
 }
 

@@ -257,7 +257,7 @@ TEST_CASE("gains out of range are refused by name") {
                        std::invalid_argument);
   with = gains();
   with.stiffness_Nm_rad[1] = -1.0;
-  CHECK_THROWS_WITH_AS(ControlLaw(2, with), "control.stiffness_Nm_rad[2] = -1, expected 0 to 10000",
+  CHECK_THROWS_WITH_AS(ControlLaw(2, with), "control.stiffness_Nm_rad[2] = -1, expected 0 to 3000",
                        std::invalid_argument);
   with = gains();
   with.damping_Nms_rad = JointVector::Zero(1);

@@ -28,7 +28,7 @@ TEST_CASE("extensors and flexors add with their signs, for each joint") {
 TEST_CASE("gains out of range are refused by name") {
   EmgGains gains{};
   gains[1][2] = 501.0;
-  CHECK_THROWS_WITH_AS(EmgTorqueMap(2, gains), "emg.gain_Nm[2][3] = 501, expected -500 to 500",
+  CHECK_THROWS_WITH_AS(EmgTorqueMap(2, gains), "emg.gain2_Nm[3] = 501, expected -150 to 150",
                        std::invalid_argument);
   CHECK_NOTHROW(EmgTorqueMap(1, gains));
   gains[1][2] = std::nan("");

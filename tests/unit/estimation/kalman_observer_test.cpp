@@ -204,12 +204,12 @@ TEST_CASE("an estimate needs a model, and a filter its settings") {
     CHECK_THROWS_WITH_AS(KalmanObserver(settings, joints), doctest::Contains(expected),
                          std::invalid_argument);
   };
-  refuses({.position_noise_rad = 0.0}, 2, "position_noise_rad is 0");
-  refuses({.velocity_noise_rad_s = -1.0}, 2, "velocity_noise_rad_s is -1");
-  refuses({.torque_noise_Nm = std::nan("")}, 2, "torque_noise_Nm is nan");
-  refuses({.disturbance_density = {1.0, 0.0}}, 2, "disturbance_density is 0");
-  refuses({.disturbance_limit = 0.0}, 2, "disturbance_limit is 0");
-  refuses({.rest_density_Nm = -1.0}, 2, "rest_density_Nm is -1");
+  refuses({.position_noise_rad = 0.0}, 2, "position_noise_rad = 0");
+  refuses({.velocity_noise_rad_s = -1.0}, 2, "velocity_noise_rad_s = -1");
+  refuses({.torque_noise_Nm = std::nan("")}, 2, "torque_noise_Nm = nan");
+  refuses({.disturbance_density = {1.0, 0.0}}, 2, "disturbance_density[2] = 0");
+  refuses({.disturbance_limit = 0.0}, 2, "disturbance_limit = 0");
+  refuses({.rest_density_Nm = -1.0}, 2, "rest_density_Nm = -1");
   refuses({.space = Space::kForceAsPrinted}, 1, "joints of a force as printed = 1");
   refuses({}, 3, "joints = 3");
 }

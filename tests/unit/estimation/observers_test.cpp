@@ -182,17 +182,17 @@ TEST_CASE("steps of changing length do not disturb a constant estimate") {
 }
 
 TEST_CASE("settings outside their range are refused by name and value") {
-  CHECK_THROWS_WITH_AS(MomentumObserver({.bandwidth_Hz = {5.0, 0.0}}), doctest::Contains("bandwidth_Hz is 0"),
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(MomentumObserver({.bandwidth_Hz = {5.0, 0.0}}),
+                       doctest::Contains("bandwidth_Hz[2] = 0"), std::invalid_argument);
   CHECK_THROWS_WITH_AS(MomentumObserver({.damping_ratio = {-1.0, 0.7}}),
-                       doctest::Contains("damping_ratio is -1"), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(ExtendedStateObserver({-2.0, 2.0}), doctest::Contains("bandwidth_Hz is -2"),
+                       doctest::Contains("damping_ratio[1] = -1"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(ExtendedStateObserver({-2.0, 2.0}), doctest::Contains("bandwidth_Hz[1] = -2"),
                        std::invalid_argument);
   CHECK_THROWS_WITH_AS(SuperTwistingObserver({.rate_bound = {0.0, 1.0}}),
-                       doctest::Contains("rate_bound is 0"), std::invalid_argument);
+                       doctest::Contains("rate_bound_rad_s3[1] = 0"), std::invalid_argument);
   CHECK_THROWS_WITH_AS(TerminalSlidingObserver({.p0 = 2}), doctest::Contains("p0 is 2"),
                        std::invalid_argument);
-  CHECK_THROWS_WITH_AS(TerminalSlidingObserver({.boundary = 0.0}), doctest::Contains("boundary is 0"),
+  CHECK_THROWS_WITH_AS(TerminalSlidingObserver({.boundary = 0.0}), doctest::Contains("boundary_rad_s = 0"),
                        std::invalid_argument);
   CHECK_THROWS_AS(LowPassObserver(nullptr, {5.0, 5.0}, 1000.0), std::invalid_argument);
   CHECK_THROWS_WITH_AS(

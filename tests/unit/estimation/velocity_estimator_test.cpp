@@ -102,7 +102,7 @@ TEST_CASE("a coarse encoder's steps are smoothed") {
 
 TEST_CASE("a cutoff that cannot be is refused") {
   for (const double cutoff : {0.0, -5.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    CHECK_THROWS_WITH_AS(VelocityEstimator{cutoff}, doctest::Contains("cutoff_Hz is "),
+    CHECK_THROWS_WITH_AS(VelocityEstimator{cutoff}, doctest::Contains("estimation.velocity_cutoff_Hz = "),
                          std::invalid_argument);
   }
 }

@@ -130,14 +130,13 @@ TEST_CASE("malformed models are refused with file, line, key, value and expectat
       "model.toml:2: key 'mechanism.kind': value 'planar_2r', expected one of 'planar_two_link', 'revolute', "
       "'prismatic'");
   CHECK(errorOf("[mechanism]\nkind = \"revolute\"\ninertia_kg_m2 = -0.1") ==
-        "model.toml:3: key 'mechanism.inertia_kg_m2': value -0.1, expected a number greater than 0");
+        "model.toml:3: key 'mechanism.inertia_kg_m2': value -0.1, expected a number in [1e-05, 20]");
   CHECK(errorOf("[mechanism]\nkind = \"prismatic\"\nmass = 95") ==
-        "model.toml:1: key 'mechanism.mass_kg' is missing, expected a number greater than 0; there is 'mass' "
-        "in its place");
-  CHECK(
-      errorOf("[mechanism]\nkind = \"planar_two_link\"\nmass_kg = [2, nan]") ==
-      "model.toml:3: key 'mechanism.mass_kg': value nan, expected an array of 2 finite numbers, each greater "
-      "than 0");
+        "model.toml:1: key 'mechanism.mass_kg' is missing, expected a number in [0.001, 1000]; there is "
+        "'mass' in its place");
+  CHECK(errorOf("[mechanism]\nkind = \"planar_two_link\"\nmass_kg = [2, nan]") ==
+        "model.toml:3: key 'mechanism.mass_kg': value nan, expected an array of 2 finite numbers, each in "
+        "[0.001, 50]");
   CHECK(errorOf(kLeg + std::string("gravity = 9.81")) ==
         "model.toml:7: key 'mechanism.gravity' is unknown, did you mean 'gravity_m_s2'?");
   CHECK(errorOfEffect("kind = \"viscous_friction\"\njoint = 3\ncoefficient_Nms_rad = 1") ==

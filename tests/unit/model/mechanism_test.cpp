@@ -194,17 +194,24 @@ TEST_CASE("parameters that no body can have are refused by name and value") {
     CHECK_THROWS_WITH_AS(PlanarTwoLink{parameters}, doctest::Contains(expected.c_str()),
                          std::invalid_argument);
   };
-  refuses([](auto& p) { p.mass_kg[0] = 0.0; }, "mass_kg[0] is 0");
-  refuses([](auto& p) { p.mass_kg[1] = -1.5; }, "mass_kg[1] is -1.5");
-  refuses([](auto& p) { p.length_m[1] = std::numeric_limits<double>::infinity(); }, "length_m[1] is inf");
-  refuses([](auto& p) { p.com_m[0] = -0.1; }, "com_m[0] is -0.1");
-  refuses([](auto& p) { p.inertia_kg_m2[1] = std::nan(""); }, "inertia_kg_m2[1] is nan");
-  refuses([](auto& p) { p.com_m[1] = p.inertia_kg_m2[1] = 0.0; }, "inertia_kg_m2[1] + mass_kg[1]");
-  refuses([](auto& p) { p.gravity_m_s2 = -9.81; }, "gravity_m_s2 is -9.81");
+  refuses([](auto& p) { p.mass_kg[0] = 0.0; }, "mass_kg (planar_two_link)[1] = 0, expected 0.001 to 50");
+  refuses([](auto& p) { p.mass_kg[1] = -1.5; }, "mass_kg (planar_two_link)[2] = -1.5");
+  refuses([](auto& p) { p.length_m[1] = std::numeric_limits<double>::infinity(); },
+          "length_m (planar_two_link)[2] = inf");
+  refuses([](auto& p) { p.com_m[0] = -0.1; }, "com_m (planar_two_link)[1] = -0.1");
+  refuses([](auto& p) { p.inertia_kg_m2[1] = std::nan(""); }, "inertia_kg_m2 (planar_two_link)[2] = nan");
+  refuses([](auto& p) { p.com_m[1] = p.inertia_kg_m2[1] = 0.0; }, "inertia_kg_m2[2] + mass_kg[2]");
+  refuses([](auto& p) { p.gravity_m_s2 = -9.81; }, "gravity_m_s2 = -9.81");
   CHECK_THROWS_AS(RevoluteJoint({.inertia_kg_m2 = 0.0, .moment_kg_m = 0.1, .length_m = 0.4}),
                   std::invalid_argument);
   CHECK_THROWS_AS(RevoluteJoint({.inertia_kg_m2 = 0.1, .moment_kg_m = -0.1, .length_m = 0.4}),
                   std::invalid_argument);
   CHECK_THROWS_AS(PrismaticJoint({.mass_kg = -1.0}), std::invalid_argument);
+  refuses([](auto& p) { p.gravity_m_s2 = 981.0; }, "gravity_m_s2 = 981, expected 0 to 10");
+  refuses([](auto& p) { p.mass_kg[1] = 1e300; }, "mass_kg (planar_two_link)[2] = 1e+300");
+  refuses([](auto& p) { p.length_m[0] = 1e9; }, "length_m (planar_two_link)[1] = 1e+09, expected 0.01 to 2");
+  CHECK_THROWS_AS(RevoluteJoint({.inertia_kg_m2 = 21.0, .moment_kg_m = 0.1, .length_m = 0.4}),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(PrismaticJoint({.mass_kg = 1001.0}), std::invalid_argument);
   CHECK_THROWS_AS(PrismaticJoint({.mass_kg = 1.0, .inclination_rad = std::nan("")}), std::invalid_argument);
 }

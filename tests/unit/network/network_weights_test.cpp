@@ -58,17 +58,19 @@ TEST_CASE("a number that is not finite is refused with its tensor's name") {
 TEST_CASE("quantities out of range are refused by name") {
   CHECK(refusal([](NetworkWeights& w) { w.lstm.push_back(w.lstm[1]); }) == "lstm layers: 3, expected 1 to 2");
   CHECK(refusal([](NetworkWeights& w) { w.lstm.clear(); }) == "lstm layers: 0, expected 1 to 2");
-  CHECK(refusal([](NetworkWeights& w) { w.window = 0; }) == "window: 0, expected 1 to 4096");
-  CHECK(refusal([](NetworkWeights& w) { w.window = 5000; }) == "window: 5000, expected 1 to 4096");
+  CHECK(refusal([](NetworkWeights& w) { w.window = 0; }) == "window = 0, expected 1 to 4096");
+  CHECK(refusal([](NetworkWeights& w) { w.window = 5000; }) == "window = 5000, expected 1 to 4096");
   CHECK(refusal([](NetworkWeights& w) { w.heads = 7; }) == "heads: 7, expected a divisor of the 64 channels");
-  CHECK(refusal([](NetworkWeights& w) { w.heads = -8; }) == "heads: -8, expected 1 to 64");
+  CHECK(refusal([](NetworkWeights& w) { w.heads = -8; }) == "heads = -8, expected 1 to 4096");
   CHECK(refusal([](NetworkWeights& w) { w.output_weight.setZero(3, 64); }) == "outputs: 3, expected 1 to 2");
-  CHECK(refusal([](NetworkWeights& w) { w.rate_Hz = 0.0; }).starts_with("rate_Hz: 0"));
+  CHECK(refusal([](NetworkWeights& w) { w.rate_Hz = 0.0; }) == "rate_Hz = 0, expected 1 to 20000");
   CHECK(refusal([](NetworkWeights& w) { w.feature_mean.setZero(4); }) ==
         "feature_mean: 4 values, expected 5");
-  CHECK(refusal([](NetworkWeights& w) { w.feature_scale[2] = 0.0; }).starts_with("feature_scale: 0"));
-  CHECK(refusal([](NetworkWeights& w) { w.output_scale[0] = -1.0; }).starts_with("output_scale: -1"));
-  CHECK(refusal([](NetworkWeights& w) { w.output_mean[0] = std::nan(""); }) == "output_mean: not finite");
+  CHECK(refusal([](NetworkWeights& w) { w.feature_scale[2] = 0.0; }) ==
+        "feature_scale[3] = 0, expected 1e-09 to 1e+07");
+  CHECK(refusal([](NetworkWeights& w) { w.output_scale[0] = -1.0; }).starts_with("output_scale[1] = -1"));
+  CHECK(refusal([](NetworkWeights& w) { w.output_mean[0] = std::nan(""); }) ==
+        "output_mean[1] = nan, expected -10000 to 10000");
   CHECK(refusal([](NetworkWeights& w) { w.features[1] = w.features[0]; }) ==
         "features: 'feature0' appears twice");
   CHECK(refusal([](NetworkWeights& w) { w.features[1] = "a,b"; }) == "features: 'a,b' is not a name");

@@ -32,6 +32,7 @@ class FakeHost {
     put("proc/sys/kernel/sched_rt_runtime_us", "-1\n");
     put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance\n");
     put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "performance\n");
+    put("sys/devices/system/cpu/online", "0-3\n");
     put("sys/devices/system/cpu/isolated", "1-3\n");
     put("sys/devices/system/cpu/nohz_full", "1,3\n");
     put("sys/devices/system/clocksource/clocksource0/current_clocksource", "tsc\n");
@@ -118,6 +119,9 @@ TEST_CASE("the loop's processors must all be isolated") {
   CHECK_FALSE(check(host, "nohz_full", boundTo({1, 2})).ok);
   CHECK(check(host, "nohz_full", boundTo({1, 2})).fix == "boot with nohz_full=1,2");
   CHECK_FALSE(check(host, "isolated_cpus", boundTo({0})).ok);
+  CHECK(check(host, "processors", boundTo({1, 3})).ok);
+  CHECK_FALSE(check(host, "processors", boundTo({1, 4})).ok);
+  CHECK(check(host, "processors", boundTo({1, 4})).found == "0,1,2,3");
   CHECK_FALSE(check(host, "isolated_cpus").ok);  // bound to none, isolation serves nothing
   host.put("sys/devices/system/cpu/isolated", "\n");
   CHECK(check(host, "isolated_cpus", boundTo({1})).found == "none");

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "core/bounds/bounds.hpp"
 #include "core/safety/drive_monitor.hpp"
 #include "core/safety/emg_monitor.hpp"
 #include "core/safety/encoder_monitor.hpp"
@@ -411,6 +412,10 @@ TEST_CASE("a network that contradicts the observer is not listened to until it i
   CHECK_FALSE(monitor.trusted(pair(0.0, 0.0), kTick_s));
 }
 
+double above(const Bound& bound) {
+  return 1.01 * bound.rehearsal_maximum;
+}
+
 TEST_CASE("no monitor can be set so that it does not watch") {
   const auto refused = [](auto change) {
     MonitorSettings settings;
@@ -418,25 +423,27 @@ TEST_CASE("no monitor can be set so that it does not watch") {
     CHECK_THROWS_AS(requireSound(settings), std::invalid_argument);
   };
   CHECK_NOTHROW(requireSound({}));
-  refused([](auto& s) { s.encoder.inconsistency_rad = 1.01 * kCeilingInconsistency_rad; });
+  refused([](auto& s) { s.encoder.inconsistency_rad = above(boundOf("safety.encoder.inconsistency_rad")); });
   refused([](auto& s) { s.encoder.inconsistency_rad = kNaN; });
-  refused([](auto& s) { s.encoder.frozen_rad = 1.01 * kCeilingInconsistency_rad; });
-  refused([](auto& s) { s.encoder.consistency_time_s = 1.01 * kCeilingConsistencyTime_s; });
-  refused([](auto& s) { s.motion.unknown_torque_Nm[1] = 1.01 * kCeilingUnknownTorque_Nm; });
-  refused([](auto& s) { s.motion.unknown_time_s = 1.01 * kCeilingMonitorTime_s; });
-  refused([](auto& s) { s.motion.following_rad[0] = 1.01 * kCeilingFollowing_rad; });
-  refused([](auto& s) { s.motion.following_time_s = 1.01 * kCeilingMonitorTime_s; });
-  refused([](auto& s) { s.drive.follow_tolerance = 1.01 * kCeilingFollowTolerance; });
-  refused([](auto& s) { s.drive.response_s = 0.051; });
-  refused([](auto& s) { s.drive.follow_time_s = 1.01 * kCeilingMonitorTime_s; });
-  refused([](auto& s) { s.drive.over_tolerance = 1.01 * kCeilingOverTolerance; });
-  refused([](auto& s) { s.drive.over_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.encoder.frozen_rad = above(boundOf("safety.encoder.frozen_rad")); });
+  refused(
+      [](auto& s) { s.encoder.consistency_time_s = above(boundOf("safety.encoder.consistency_time_s")); });
+  refused([](auto& s) { s.motion.unknown_torque_Nm[1] = above(boundOf("safety.motion.unknown_torque_Nm")); });
+  refused([](auto& s) { s.motion.unknown_time_s = above(boundOf("safety.motion.unknown_time_s")); });
+  refused([](auto& s) { s.motion.following_rad[0] = above(boundOf("safety.motion.following_rad")); });
+  refused([](auto& s) { s.motion.following_time_s = above(boundOf("safety.motion.following_time_s")); });
+  refused([](auto& s) { s.drive.follow_tolerance = above(boundOf("safety.drive.follow_tolerance")); });
+  refused([](auto& s) { s.drive.response_s = above(boundOf("safety.drive.response_s")); });
+  refused([](auto& s) { s.drive.follow_time_s = above(boundOf("safety.drive.follow_time_s")); });
+  refused([](auto& s) { s.drive.over_tolerance = above(boundOf("safety.drive.over_tolerance")); });
+  refused([](auto& s) { s.drive.over_time_s = above(boundOf("safety.drive.over_time_s")); });
   refused([](auto& s) { s.emg.flat_mV = -1.0; });
-  refused([](auto& s) { s.emg.flat_time_s = 1.01 * kCeilingMonitorTime_s; });
-  refused([](auto& s) { s.emg.saturation_mV = 1.01 * kCeilingEmg_mV; });
-  refused([](auto& s) { s.emg.saturation_time_s = 1.01 * kCeilingMonitorTime_s; });
-  refused([](auto& s) { s.emg.hum_mV = 1.01 * kCeilingEmg_mV; });
-  refused([](auto& s) { s.emg.hum_time_s = 1.01 * kCeilingMonitorTime_s; });
-  refused([](auto& s) { s.network.disagreement_Nm[0] = 1.01 * kCeilingDisagreement_Nm; });
-  refused([](auto& s) { s.network.disagreement_time_s = 1.01 * kCeilingMonitorTime_s; });
+  refused([](auto& s) { s.emg.flat_time_s = above(boundOf("safety.emg.flat_time_s")); });
+  refused([](auto& s) { s.emg.saturation_mV = above(boundOf("safety.emg.saturation_mV")); });
+  refused([](auto& s) { s.emg.saturation_time_s = above(boundOf("safety.emg.saturation_time_s")); });
+  refused([](auto& s) { s.emg.hum_mV = above(boundOf("safety.emg.hum_mV")); });
+  refused([](auto& s) { s.emg.hum_time_s = above(boundOf("safety.emg.hum_time_s")); });
+  refused([](auto& s) { s.network.disagreement_Nm[0] = above(boundOf("safety.network.disagreement_Nm")); });
+  refused(
+      [](auto& s) { s.network.disagreement_time_s = above(boundOf("safety.network.disagreement_time_s")); });
 }

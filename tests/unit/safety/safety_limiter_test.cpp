@@ -227,7 +227,7 @@ TEST_CASE("limiting allocates nothing") {
 TEST_CASE("limits above the ceilings, or missing, are refused by name") {
   SafetyLimits l = limits();
   l.joint[0].torque_Nm = 151.0;
-  CHECK_THROWS_WITH_AS(SafetyLimiter(2, l), "safety.joint[1].torque_Nm = 151, expected 1e-06 to 150",
+  CHECK_THROWS_WITH_AS(SafetyLimiter(2, l), "safety.joint[1].torque_Nm = 151, expected 0.001 to 150",
                        std::invalid_argument);
   l = limits();
   l.joint[1].velocity_rad_s = 12.5;

@@ -144,13 +144,13 @@ TEST_CASE("metadata that is missing or makes no sense is refused with its key") 
   CHECK(refusalOfMetadata("heads", "99999999999") ==
         "file: metadata 'heads': '99999999999', expected an integer");
   CHECK(refusalOfMetadata("heads", "7") == "file: heads: 7, expected a divisor of the 64 channels");
-  CHECK(refusalOfMetadata("window", "-1") == "file: window: -1, expected 1 to 4096");
+  CHECK(refusalOfMetadata("window", "-1") == "file: window = -1, expected 1 to 4096");
   CHECK(refusalOfMetadata("rate_Hz", "") == "file: metadata 'rate_Hz': '', expected a number");
   CHECK(refusalOfMetadata("feature_mean", "0,0,,0,0") ==
         "file: metadata 'feature_mean': '', expected a number");
   CHECK(refusalOfMetadata("feature_mean", "0,0,0,0") == "file: feature_mean: 4 values, expected 5");
-  CHECK(refusalOfMetadata("feature_scale", "1,1,nan,1,1") == "file: feature_scale: not finite");
-  CHECK(refusalOfMetadata("feature_scale", "1,1,0,1,1").starts_with("file: feature_scale: 0"));
+  CHECK(refusalOfMetadata("feature_scale", "1,1,nan,1,1").starts_with("file: feature_scale[3] = nan"));
+  CHECK(refusalOfMetadata("feature_scale", "1,1,0,1,1").starts_with("file: feature_scale[3] = 0"));
   CHECK(refusalOfMetadata("features", "a,b,c,d,d") == "file: features: 'd' appears twice");
   CHECK(refusalOfMetadata("features", "a,b") ==
         "file: tensor 'lstm.weight_ih_l0': shape [512,5], expected [512,2]");

@@ -1,0 +1,31 @@
+// The numbers of the file that binds a DBC to the loop.
+#pragma once
+
+#include <array>
+#include <numbers>
+
+#include "core/bounds/bound.hpp"
+
+namespace patella::bounds {
+
+// One row a line.
+// clang-format off
+inline constexpr std::array kBusMap{
+    rehearsed(number("checks.encoder_timeout_s", "s", 0.0005, 0.02, "a knee at 6 rad/s goes 0.12 rad unseen meanwhile; the drives' own watchdog; a sample period at least"), 1.0),
+    rehearsed(number("checks.drive_timeout_s", "s", 0.0005, 0.05, "two frames of a drive that reports each 20 ms; torque is unseen meanwhile"), 1.0),
+    rehearsed(number("checks.emg_timeout_s", "s", 0.0005, 0.2, "as long as a muscle's torque outlasts its signal; a sample period at least"), 1.0),
+    number("checks.operator_timeout_s", "s", 0.01, 1, "a cable that fell out holds enable no longer than a hand takes to let go"),
+    number("checks.encoder_period_s", "s", 5e-5, 0.02, "20 kHz to 50 Hz, as the loop's rate"),
+    number("checks.emg_period_s", "s", 5e-5, 0.02, "20 kHz to 50 Hz: envelopes at least"),
+    number("checks.position_min_rad", "rad", -4.0 * std::numbers::pi, 4.0 * std::numbers::pi, "twice the widest joint limits, wherever zero is"),
+    number("checks.position_max_rad", "rad", -4.0 * std::numbers::pi, 4.0 * std::numbers::pi, "as above, and more than position_min_rad"),
+    number("checks.position_jump_rad", "rad", 1e-5, 0.25, "12 rad/s over the longest sample period; at most 120 rad/s over the one that is set"),
+    rehearsed(whole("checks.tolerated_bad_frames", "frames", 0, 10, "in a row: 10 ms at 1 kHz, half of what the drives wait"), 100),
+    magnitude("input.scale", "inside per signal", 1e-10, 10000, "2π/2³² rad, the finest encoder's step; kN as N, V as mV"),
+    number("input.offset", "inside", -1000, 1000, "an amplifier's offset, mV; angles lie within position_min_rad and position_max_rad in any case"),
+    magnitude("command.output.scale", "inside per signal", 1e-10, 10000, "as input.scale"),
+    number("command.output.offset", "inside", -1000, 1000, "half of a 16-bit signal's range at 0.03 N·m a step"),
+};
+// clang-format on
+
+}  // namespace patella::bounds

@@ -1,0 +1,28 @@
+// The numbers of a mechanism in a model file. Those of effects stand with each effect,
+// model::effectCatalogue().
+#pragma once
+
+#include <array>
+#include <numbers>
+
+#include "core/bounds/bound.hpp"
+
+namespace patella::bounds {
+
+// One row a line.
+// clang-format off
+inline constexpr std::array kModel{
+    number("mechanism.gravity_m_s2", "m/s²", 0, 10, "9.78 to 9.83 on Earth; 0 lies flat or is weighed out"),
+    number("mechanism.mass_kg (planar_two_link)", "kg", 1e-3, 50, "a thigh of 20 with the heaviest cuff and frame; a light arm has 0.1"),
+    number("mechanism.length_m (planar_two_link)", "m", 0.01, 2, "twice the longest thigh; a finger's"),
+    number("mechanism.com_m (planar_two_link)", "m", 0, 2, "on the link or a frame beyond it"),
+    number("mechanism.inertia_kg_m2 (planar_two_link)", "kg·m²", 0, 20, "50 kg with a radius of gyration of 0.6 m; 0 for a point"),
+    number("mechanism.inertia_kg_m2 (revolute)", "kg·m²", 1e-5, 20, "as above; a small motor's rotor"),
+    number("mechanism.moment_kg_m (revolute)", "kg·m", 0, 50, "50 kg at 1 m: 490 N·m of weight"),
+    number("mechanism.length_m (revolute)", "m", 0.01, 2, "as a link's"),
+    number("mechanism.mass_kg (prismatic)", "kg", 1e-3, 1000, "a carriage; the benchmark's has 95"),
+    number("mechanism.inclination_rad (prismatic)", "rad", -std::numbers::pi, std::numbers::pi, "half a turn either way is every direction"),
+};
+// clang-format on
+
+}  // namespace patella::bounds
