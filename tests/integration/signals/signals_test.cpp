@@ -332,10 +332,6 @@ TEST_CASE("the first process of a container, whom no default action ends, ends a
 }
 
 TEST_CASE("a stack that overflows, in whatever thread, lets torque go") {
-#if defined(PATELLA_SANITIZER_address) || defined(PATELLA_SANITIZER_thread)
-  MESSAGE("SKIPPED: the sanitizer takes care of stacks and their signals itself");
-  return;
-#endif
   for (const Place place : {Place::kLoop, Place::kWatchdog, Place::kRig, Place::kMain}) {
     CAPTURE(static_cast<int>(place));
     const auto run = activeRun();
