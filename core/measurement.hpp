@@ -19,7 +19,7 @@ struct Measurement {
   bool has_velocity = false;  ///< the encoder delivers a rate; otherwise it is derived from position
   bool has_drive_torque =
       false;  ///< a drive status is bound; otherwise the commanded torque is taken as applied
-  bool has_drive_enabled = false;  ///< drive_enabled is bound
+  bool has_drive_enabled = false;   ///< drive_enabled is bound
   bool drive_was_enabled = false;   ///< some report since the tick before, or else the newest, said so
   bool drive_was_disabled = false;  ///< likewise
   bool operator_enable = false;     ///< level

@@ -87,7 +87,8 @@ class FaultInjector {
     held_count_ = kept;
   }
 
-  /// Hands on to sink(frame, channel) the forged frames of this sample; while the bus is silent there are none.
+  /// Hands on to sink(frame, channel) the forged frames of this sample; while the bus is silent there are
+  /// none.
   template <typename Sink>
   void forge(Sink&& sink) noexcept {
     for (int i = 0; i < kFrameChannelCount && !silent(); ++i) {

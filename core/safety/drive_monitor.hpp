@@ -7,8 +7,8 @@
 
 #include "core/measurement.hpp"
 #include "core/safety/fault.hpp"
-#include "core/safety/monitor_settings.hpp"
 #include "core/safety/leaky_score.hpp"
+#include "core/safety/monitor_settings.hpp"
 #include "core/safety/safety_limiter.hpp"
 
 namespace patella::safety {

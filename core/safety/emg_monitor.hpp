@@ -4,18 +4,18 @@
 #include <array>
 
 #include "core/safety/fault.hpp"
-#include "core/safety/monitor_settings.hpp"
 #include "core/safety/leaky_score.hpp"
+#include "core/safety/monitor_settings.hpp"
 #include "core/types.hpp"
 
 namespace patella::safety {
 
 /// Per electrode: a signal that stands still (off, or a dead amplifier), that sticks to the end of its range,
 /// or that is mains hum. Each counts by its share of the time (LeakyScore), so that a loose contact is found,
-/// too; it stands still from kStill_s on, which EMG of 20 Hz and more never does. The hum's amplitude is that of the signal mixed down by the mains' frequency, 2|z|
-/// with z ← z + (x e^{−iωt} − z)/τ, τ = 0.1 s: EMG of 0.25 mV rms leaves about 0.03 mV in that band. A sample
-/// stands for the gap before it, but for no more than kBridged_s of it: in 2 x kBridged_s/τ the largest
-/// sample alone is no hum.
+/// too; it stands still from kStill_s on, which EMG of 20 Hz and more never does. The hum's amplitude is that
+/// of the signal mixed down by the mains' frequency, 2|z| with z ← z + (x e^{−iωt} − z)/τ, τ = 0.1 s: EMG of
+/// 0.25 mV rms leaves about 0.03 mV in that band. A sample stands for the gap before it, but for no more than
+/// kBridged_s of it: in 2 x kBridged_s/τ the largest sample alone is no hum.
 class EmgMonitor {
  public:
   /// Only electrodes `used` are watched. `mains_Hz` 0 stands for 50.

@@ -16,8 +16,8 @@ inline constexpr double kRecovery = 16.0;
 /// Drives act on the leg by themselves, and a sound one reports nothing wrong: 1.5 %.
 inline constexpr double kDriveRecovery = 64.0;
 
-/// Adds up what is bad and takes off a part of what is good. A share p of bad, in whatever pattern, raises the
-/// score by p − (1 − p)/recovery a step in the mean: a score that may reach `longest` is passed after
+/// Adds up what is bad and takes off a part of what is good. A share p of bad, in whatever pattern, raises
+/// the score by p − (1 − p)/recovery a step in the mean: a score that may reach `longest` is passed after
 /// longest / (p − (1 − p)/recovery), and never where p < 1/(1 + recovery).
 class LeakyScore {
  public:
@@ -28,8 +28,8 @@ class LeakyScore {
 
   /// True once more than `longest` is bad, this amount included.
   constexpr bool update(bool bad, double amount) noexcept PATELLA_NONBLOCKING {
-    // No higher than just above the limit: how soon a reset is possible depends on how good things are, not on
-    // how long they were bad.
+    // No higher than just above the limit: how soon a reset is possible depends on how good things are, not
+    // on how long they were bad.
     score_ = bad ? std::min(score_, longest_) + amount : std::max(score_ - amount / recovery_, 0.0);
     return exceeded();
   }

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "core/safety/fault.hpp"
-#include "core/safety/monitor_settings.hpp"
 #include "core/safety/leaky_score.hpp"
+#include "core/safety/monitor_settings.hpp"
 #include "core/safety/safety_limiter.hpp"
 #include "core/types.hpp"
 

@@ -32,8 +32,7 @@ std::string_view limitName(Limit limit) noexcept {
   return index < kNames.size() ? kNames[index] : "unknown";
 }
 
-SafetyLimiter::SafetyLimiter(int joints, const SafetyLimits& limits)
-    : joints_(joints) {
+SafetyLimiter::SafetyLimiter(int joints, const SafetyLimits& limits) : joints_(joints) {
   requireRange("joints", joints, 1, kMaxJoints);
   requireBound(boundOf("safety.saturation_timeout_s"), limits.saturation_timeout_s);
   for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {

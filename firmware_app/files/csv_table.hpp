@@ -32,8 +32,8 @@ class CsvTable {
  public:
   /// Throws FileError: "file:line: column 'q1_rad': value 'abc', expected a number"; also for an empty file,
   /// empty or repeated names, lines with too few or too many cells, and too few rows.
-  /// Reads line by line: takes the memory of its columns, not of its text. A file may have any length, and a line of
-  /// it a megabyte.
+  /// Reads line by line: takes the memory of its columns, not of its text. A file may have any length, and a
+  /// line of it a megabyte.
   static CsvTable load(const std::filesystem::path& path, const CsvOptions& options = {});
   /// The next line without its line feed, valid until the one after it is asked for; false at the end.
   using Lines = std::function<bool(std::string_view&)>;

@@ -38,7 +38,7 @@ class Lateness {
 
  private:
   LatenessLimits limits_;
-  int overruns_ = 0;  ///< in a row
+  int overruns_ = 0;           ///< in a row
   safety::LeakyScore missed_;  ///< periods
 };
 

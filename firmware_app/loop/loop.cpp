@@ -264,8 +264,8 @@ const Command& Loop::sendCommand(const Command& command,
   return sent;
 }
 
-// Raises the line once, and takes it down as often as it must be low: where the watchdog took it down, it stays
-// so. A trip that comes between the look and the rise is seen right after it.
+// Raises the line once, and takes it down as often as it must be low: where the watchdog took it down, it
+// stays so. A trip that comes between the look and the rise is seen right after it.
 void Loop::setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
   if (enable && line_up_) {
     return;

@@ -14,8 +14,8 @@
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/clock/clock.hpp"
 #include "drivers/gpio/pins.hpp"
-#include "firmware_app/loop/lateness.hpp"
 #include "firmware_app/loop/latency_histogram.hpp"
+#include "firmware_app/loop/lateness.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 
@@ -23,8 +23,8 @@ namespace patella::app {
 
 struct LoopOptions {
   double rate_Hz = 1000.0;
-  std::uint64_t max_ticks = 0;      ///< 0: until stopped or the backend is exhausted
-  int overruns_tolerated = 3;       ///< consecutive ticks that may miss their period before a fault
+  std::uint64_t max_ticks = 0;           ///< 0: until stopped or the backend is exhausted
+  int overruns_tolerated = 3;            ///< consecutive ticks that may miss their period before a fault
   double missed_share_tolerated = 0.05;  ///< of the periods, for good; more is a fault, the more the sooner
   int send_failures_tolerated = 3;  ///< commands that may be lost in a row, or among others, before a fault
   double stall_tolerated_s = 0.02;  ///< longest gap between two ticks; the drives drop torque after 20 ms

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
-#include <thread>
 
 #include <fcntl.h>
 #include <malloc.h>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "core/bounds/bounds.hpp"
+#include "drivers/signal_stack.hpp"
 
 namespace patella::app {
 
@@ -187,7 +187,7 @@ std::vector<int> usableProcessors() {
   std::vector<int> usable;
   // The mask in force may be narrower: isolated processors are in nobody's until he asks for them. The kernel
   // cuts down what is asked for; a thread that ends then is not bound by it.
-  std::thread([&usable] {
+  startThread([&usable] {
     cpu_set_t all;
     CPU_ZERO(&all);
     for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {

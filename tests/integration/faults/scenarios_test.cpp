@@ -1,4 +1,5 @@
-// Faults that once were found late, or judged wrongly: whole runs in virtual time, judged as the campaign judges.
+// Faults that once were found late, or judged wrongly: whole runs in virtual time, judged as the campaign
+// judges.
 #include <filesystem>
 
 #include <doctest/doctest.h>
@@ -53,11 +54,9 @@ TEST_CASE("a drive that is wrong now and then is stopped, whatever the pattern")
   struct Pattern {
     double extra_Nm, cycle_s, duty, longest_s;
   };
-  for (const auto& [extra_Nm, cycle_s, duty, longest_s] : {Pattern{300.0, 0.003, 0.66, 0.1},
-                                                           Pattern{60.0, 0.020, 0.75, 0.1},
-                                                           Pattern{60.0, 0.020, 0.95, 0.1},
-                                                           Pattern{260.0, 0.100, 0.05, 0.5},
-                                                           Pattern{60.0, 0.400, 0.05, 1.2}}) {
+  for (const auto& [extra_Nm, cycle_s, duty, longest_s] :
+       {Pattern{300.0, 0.003, 0.66, 0.1}, Pattern{60.0, 0.020, 0.75, 0.1}, Pattern{60.0, 0.020, 0.95, 0.1},
+        Pattern{260.0, 0.100, 0.05, 0.5}, Pattern{60.0, 0.400, 0.05, 1.2}}) {
     CAPTURE(cycle_s);
     CAPTURE(duty);
     const bench::TrialResult result = trial({drivesPush(extra_Nm, cycle_s, duty)});

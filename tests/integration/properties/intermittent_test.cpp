@@ -1,5 +1,5 @@
-// How soon each monitor finds what comes and goes: the monitors themselves, under a share of wrong samples, and the
-// table that docs/safety.md states.
+// How soon each monitor finds what comes and goes: the monitors themselves, under a share of wrong samples,
+// and the table that docs/safety.md states.
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -40,7 +40,11 @@ JointVector pair(double first, double second) {
 SafetyLimits limits() {
   SafetyLimits limits;
   for (JointLimits& joint : limits.joint) {
-    joint = {.torque_Nm = 100.0, .torque_rate_Nm_s = 5000.0, .velocity_rad_s = 6.0, .q_min_rad = -3.0, .q_max_rad = 3.0};
+    joint = {.torque_Nm = 100.0,
+             .torque_rate_Nm_s = 5000.0,
+             .velocity_rad_s = 6.0,
+             .q_min_rad = -3.0,
+             .q_max_rad = 3.0};
   }
   return limits;
 }
@@ -96,7 +100,8 @@ std::vector<Row> rows() {
   return {
       {"`drive_not_following`", "ms", [] { return drive(Fault::kDriveNotFollowing, 60.0); }},
       {"`drive_over_torque`", "ms", [] { return drive(Fault::kDriveOverTorque, 260.0); }},
-      {"`frame_corrupt`, `frame_sequence`, `encoder_implausible`, of each message", "frames", [] { return frames(); }},
+      {"`frame_corrupt`, `frame_sequence`, `encoder_implausible`, of each message", "frames",
+       [] { return frames(); }},
       {"`model_mismatch`", "ms", [] { return motion(Fault::kModelMismatch); }},
       {"`following_error`", "ms", [] { return motion(Fault::kFollowingError); }},
       {"`torque_limit`", "ms",
@@ -191,7 +196,8 @@ TEST_CASE("the documented times to find what comes and goes are those of the mon
   CHECK(documented() == measured);
 }
 
-TEST_CASE("a share of a tenth is found by every monitor, however it comes; half of that by none but the drives'") {
+TEST_CASE(
+    "a share of a tenth is found by every monitor, however it comes; half of that by none but the drives'") {
   for (const Row& row : rows()) {
     CAPTURE(row.name);
     const bool of_drives = row.name.starts_with("`drive");

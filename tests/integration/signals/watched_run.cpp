@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/bounds/bounds.hpp"
 #include "drivers/signal_stack.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop_thread.hpp"
@@ -160,8 +161,8 @@ int runLoop(Ledger& ledger) {
   config.duration_s = 0.0;
   config.loop.max_ticks = kLongestRun;
   config.loop.overruns_tolerated = 100;
-  config.loop.stall_tolerated_s = app::LoopOptions::kCeilingStall_s;
-  config.watchdog.timeout_s = app::WatchdogOptions::kCeilingTimeout_s;
+  config.loop.stall_tolerated_s = boundOf("loop.stall_tolerated_s").rehearsal_maximum;
+  config.watchdog.timeout_s = boundOf("loop.watchdog_timeout_s").rehearsal_maximum;
   config.bus.map.encoder_timeout_s = kPatience_s;
   config.bus.map.drive_timeout_s = kPatience_s;
   config.bus.map.emg_timeout_s = kPatience_s;

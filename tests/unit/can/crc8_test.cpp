@@ -51,7 +51,8 @@ TEST_CASE("a frame's CRC covers its identifier and all data but itself") {
   }
 }
 
-TEST_CASE("errors of one and two bits in a frame of eight bytes are always found, of three all but one in 210") {
+TEST_CASE(
+    "errors of one and two bits in a frame of eight bytes are always found, of three all but one in 210") {
   // The code is linear: an error passes where its own remainder, from a register of zeros, is zero.
   constexpr std::size_t kBits = 64;
   std::array<std::uint8_t, kBits> remainder{};

@@ -377,15 +377,17 @@ TEST_CASE("what cannot be bound is named together with what exists") {
   CHECK(why(map) == "checks.position_jump_rad = 1e+300, expected 1e-05 to 0.25");
   map = test::rigMap();
   map.bindings[0].scale = 0.0;
-  CHECK(why(map) == "input 'position_rad.1': scale = 0, expected 1e-10 to 10000");
+  CHECK(why(map).find("'position_rad.1'") != std::string::npos);
+  CHECK(why(map).find("scale is 0, expected 1 or -1") != std::string::npos);
   CHECK(why(test::rigMap(), 3).starts_with("number of joints is 3"));
 }
 
 TEST_CASE("a wrong report of the drives is one, though a right one follows within the tick") {
   Fixture f;
   const auto report = [&](double torque_Nm, double enabled, double fault) {
-    f.decoder.accept(f.rig.make(
-        "DriveStatus", 0, {{"Torque1", torque_Nm}, {"Torque2", 0.0}, {"Enabled", enabled}, {"Fault", fault}}));
+    f.decoder.accept(
+        f.rig.make("DriveStatus", 0,
+                   {{"Torque1", torque_Nm}, {"Torque2", 0.0}, {"Enabled", enabled}, {"Fault", fault}}));
   };
   f.encoders(0, 0.0, 0.0);
   report(260.0, 1.0, 1.0);

@@ -198,10 +198,10 @@ Carrier run(const std::string& estimation, const std::string& motions) {
 
 Carrier busMap() {
   return {FileKind::kBusMap, "dbc = \"" + kSource + "/drivers/can/patella.dbc\"\n" + R"(
-input = [ { name = "position_rad.1", message = "Encoder1", signal = "Position", scale = 1.0, offset = 0.0 } ]
+input = [ { name = "position_rad.1", message = "Encoder1", signal = "Position", scale = 1.0, offset = 0.0, scale_reason = "a gear" } ]
 [command]
 message = "TorqueCommand"
-output = [ { name = "torque_Nm.1", signal = "Torque1", scale = 1.0, offset = 0.0 } ]
+output = [ { name = "torque_Nm.1", signal = "Torque1", scale = 1.0, offset = 0.0, scale_reason = "a gear" } ]
 [checks]
 encoder_period_s = 0.005
 emg_period_s = 0.005
@@ -265,9 +265,9 @@ const std::vector<Carrier>& carriers() {
     for (const char* parameters :
          {"kind = \"delayed_frames\"\nprobability = 0.5\ndelay_s = 0.01\n",
           "kind = \"flipped_bits\"\nbits = 2\n", "kind = \"forged_frames\"\nvalue = 1\n",
-          "kind = \"encoder_jump\"\noffset_rad = 0.5\ncycle_s = 0.01\nduty = 0.5\n", "kind = \"encoder_drift\"\nrate_rad_s = 1\n",
-          "kind = \"encoder_wrap\"\nturn_rad = 6\n", "kind = \"emg_saturation\"\nlevel_mV = 1.5\n",
-          "kind = \"emg_disconnection\"\nnoise_mV = 0.1\n",
+          "kind = \"encoder_jump\"\noffset_rad = 0.5\ncycle_s = 0.01\nduty = 0.5\n",
+          "kind = \"encoder_drift\"\nrate_rad_s = 1\n", "kind = \"encoder_wrap\"\nturn_rad = 6\n",
+          "kind = \"emg_saturation\"\nlevel_mV = 1.5\n", "kind = \"emg_disconnection\"\nnoise_mV = 0.1\n",
           "kind = \"emg_hum\"\namplitude_mV = 1\nfrequency_Hz = 50\n",
           "kind = \"drive_not_following\"\ngain = 0.5\n", "kind = \"drive_over_torque\"\nextra_Nm = 10\n",
           "kind = \"clock_step\"\nstep_s = 10\n", "kind = \"gpio_bounce\"\nperiod_s = 0.002\n",

@@ -189,7 +189,8 @@ TEST_CASE("wherever a stall strikes in a tick: what it made old is not sent, and
     CHECK(statistics.final_state == State::kFault);
     CHECK(statistics.stops == 1);
     // Frames are recorded before the command, too.
-    CHECK(statistics.latched.has(Fault::kCommandLate) == (beforeTheCommand(stage) || stage == Stage::kRecord));
+    CHECK(statistics.latched.has(Fault::kCommandLate) ==
+          (beforeTheCommand(stage) || stage == Stage::kRecord));
   }
 }
 

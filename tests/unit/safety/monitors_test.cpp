@@ -46,7 +46,9 @@ TEST_CASE("a condition counts once it has lasted longer than the time") {
   CHECK(at_once.update(true, kTick_s));
 }
 
-TEST_CASE("a condition with breaks counts by its share of the time, and good time makes up for it by the recovery") {
+TEST_CASE(
+    "a condition with breaks counts by its share of the time, and good time makes up for it by the "
+    "recovery") {
   for (const double recovery : {kRecovery, kDriveRecovery}) {
     for (const double share : {0.004, 0.01, 0.04, 0.08, 0.2, 0.5, 0.9}) {
       CAPTURE(recovery);

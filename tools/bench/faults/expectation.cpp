@@ -30,7 +30,8 @@ bool shareFrames(const FaultEvent& event, const FaultEvent& other) {
     case sim::ChannelGroup::kFrames:
       return event.channel == FaultEvent::kAll || other.concerns(event.channel);
     case sim::ChannelGroup::kEncoder:
-      return other.concerns(static_cast<int>(event.channel == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2));
+      return other.concerns(
+          static_cast<int>(event.channel == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2));
     case sim::ChannelGroup::kEmg:
       return other.concerns(static_cast<int>(FrameChannel::kEmg));
     default:
@@ -44,8 +45,8 @@ class Sight {
   Sight(const std::vector<FaultEvent>& faults, std::size_t index, double effect_s)
       : faults_(faults), event_(faults[index]), effect_s_(effect_s) {}
 
-  /// Calls judge(t, there, heard) for each sample: whether the fault is there, and whether the sample comes through
-  /// at all. Returns the first t for which it says true.
+  /// Calls judge(t, there, heard) for each sample: whether the fault is there, and whether the sample comes
+  /// through at all. Returns the first t for which it says true.
   template <typename Judge>
   std::optional<double> walk(double period_s, Judge&& judge) const {
     const auto first = static_cast<std::int64_t>(std::ceil(effect_s_ / period_s - 1e-6));
@@ -110,7 +111,8 @@ std::optional<double> silence(const Sight& sight, double timeout_s, double perio
   double burst_s = -1.0;
   const auto found = sight.walk(kSample_s, [&](double t, bool there, bool) {
     // What is held back comes at the end of each burst, however soon the next one begins.
-    const bool held = sight.event().kind == FaultKind::kRigStall || sight.event().kind == FaultKind::kDelayedFrames;
+    const bool held =
+        sight.event().kind == FaultKind::kRigStall || sight.event().kind == FaultKind::kDelayedFrames;
     const bool next = std::exchange(burst_s, sight.event().burstStart(t)) != sight.event().burstStart(t);
     const bool released = held && next;
     since_s = there && !released ? since_s + kSample_s : 0.0;
@@ -143,8 +145,8 @@ std::optional<double> silenceOf(const Sight& sight, FrameChannel channel, const 
   }
 }
 
-// Frames of one channel that are bad in a row, or too often: `frames(there)` says of each sample how many good and
-// bad frames it brings, in the order of what comes.
+// Frames of one channel that are bad in a row, or too often: `frames(there)` says of each sample how many
+// good and bad frames it brings, in the order of what comes.
 struct FramesOfASample {
   int good_before = 0;
   int bad = 0;
@@ -167,13 +169,14 @@ std::optional<double> badFrames(const Sight& sight, double period_s, int tolerat
     for (int i = 0; i < sample.good_after; ++i) {
       count.count(false, tolerated + 1);
     }
-    return count.tooMany(tolerated + 1);  // one more than the loop tolerates: where the first falls is uncertain
+    return count.tooMany(tolerated +
+                         1);  // one more than the loop tolerates: where the first falls is uncertain
   });
   return after(found, kMargin_s + period_s);
 }
 
-// An error of three bits passes the CRC once in 210 (unit/can/crc8_test.cpp): as many frames more as make two passes in a row of them
-// rarer than one in a million.
+// An error of three bits passes the CRC once in 210 (unit/can/crc8_test.cpp): as many frames more as make two
+// passes in a row of them rarer than one in a million.
 int toleratedFlips(const FaultEvent& event, int tolerated) {
   constexpr int kCrcDetects = 2;
   return event.bits > kCrcDetects ? 3 * (tolerated + 1) : tolerated;
@@ -207,8 +210,8 @@ std::optional<double> framesOf(const Sight& sight, FrameChannel channel, const a
   }
 }
 
-// Commands are not heard by the loop, but for those that somebody else sends; what becomes of its own shows in the
-// drives' watchdog and report.
+// Commands are not heard by the loop, but for those that somebody else sends; what becomes of its own shows
+// in the drives' watchdog and report.
 std::optional<double> commandsOf(const Sight& sight, double effect_s, const app::RunConfig& config) {
   const FaultEvent& event = sight.event();
   switch (event.kind) {
@@ -256,7 +259,8 @@ std::optional<double> jumpOwed(const Sight& sight, const app::RunConfig& config)
                    [](bool there) { return FramesOfASample{.bad = there, .good_after = !there}; });
 }
 
-// r_k = e^{−dt/T} r_{k−1} + what the drift adds, until it is a quarter above the limit for what noise may take off.
+// r_k = e^{−dt/T} r_{k−1} + what the drift adds, until it is a quarter above the limit for what noise may
+// take off.
 std::optional<double> driftOwed(const Sight& sight, const app::RunConfig& config) {
   const safety::EncoderMonitorSettings& encoder = config.tick.monitors.encoder;
   double residual_rad = 0.0;
@@ -331,9 +335,8 @@ std::optional<double> overTorqueOwed(const Sight& sight, const app::RunConfig& c
     return std::nullopt;
   }
   safety::LeakyScore score(drive.follow_time_s + kUncertain_s, safety::kDriveRecovery);
-  const auto found = sight.walk(kSample_s, [&](double, bool there, bool heard) {
-    return heard && score.update(there, kSample_s);
-  });
+  const auto found = sight.walk(
+      kSample_s, [&](double, bool there, bool heard) { return heard && score.update(there, kSample_s); });
   return after(found, kMargin_s);
 }
 

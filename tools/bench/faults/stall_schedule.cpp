@@ -9,8 +9,8 @@
 namespace patella::bench {
 namespace {
 
-// What is computed from a measurement that a stall has made old is not sent; after the command a stall only makes
-// the next tick late.
+// What is computed from a measurement that a stall has made old is not sent; after the command a stall only
+// makes the next tick late.
 bool beforeTheCommand(const sim::FaultEvent& stall) {
   return stall.stage && *stall.stage <= tick::Stage::kSend;
 }
@@ -33,7 +33,8 @@ std::optional<StallConsequence> stallConsequence(const sim::FaultEvent& stall, c
     if (strikes && !consequence) {
       consequence = {scheduled_s, std::nullopt};
     }
-    const bool old = beforeTheCommand(stall) && end_s - scheduled_s > config.bus.map.encoder_timeout_s + period_s;
+    const bool old =
+        beforeTheCommand(stall) && end_s - scheduled_s > config.bus.map.encoder_timeout_s + period_s;
     if (lateness.begin(missed) || old) {
       consequence->stop_s = end_s + margin_s;
       return consequence;

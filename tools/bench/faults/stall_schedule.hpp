@@ -9,8 +9,9 @@
 namespace patella::bench {
 
 struct StallConsequence {
-  double effect_s = 0.0;         ///< the first tick that is late
-  std::optional<double> stop_s;  ///< latest instant of the first command without torque; empty where none is owed
+  double effect_s = 0.0;  ///< the first tick that is late
+  std::optional<double>
+      stop_s;  ///< latest instant of the first command without torque; empty where none is owed
 };
 
 /// Empty where no tick is late.

@@ -18,14 +18,15 @@ struct Row {
 };
 
 std::string describe(const sim::FaultEvent& event) {
-  return fmt::format("{} at {:.3f} s for {:.3f} s{}{}, channel {}, p {:.3g}, value {:.4g}",
-                     faultKindName(event.kind), event.time_s, event.duration_s,
-                     event.cycle_s > 0.0 ? fmt::format(", {:.0f} % of every {:.1f} ms", 100.0 * event.duty,
-                                                       1e3 * event.cycle_s)
-                                         : "",
-                     event.stage ? fmt::format(", at stage '{}'", tick::kStageNames[static_cast<std::size_t>(*event.stage)])
-                                 : "",
-                     event.channel, event.probability, event.value);
+  return fmt::format(
+      "{} at {:.3f} s for {:.3f} s{}{}, channel {}, p {:.3g}, value {:.4g}", faultKindName(event.kind),
+      event.time_s, event.duration_s,
+      event.cycle_s > 0.0
+          ? fmt::format(", {:.0f} % of every {:.1f} ms", 100.0 * event.duty, 1e3 * event.cycle_s)
+          : "",
+      event.stage ? fmt::format(", at stage '{}'", tick::kStageNames[static_cast<std::size_t>(*event.stage)])
+                  : "",
+      event.channel, event.probability, event.value);
 }
 
 std::string finding(const TrialResult& result) {

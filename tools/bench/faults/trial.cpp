@@ -29,8 +29,11 @@ class Judge final : public can::Bus {
         decoder_(app::makeDecoder(config)),
         command_(config.bus.database.message("TorqueCommand")),
         oldest_ns_(std::llround(1e9 * (config.bus.map.encoder_timeout_s + 1.0 / config.loop.rate_Hz))),
-        told_(static_cast<std::size_t>(std::ceil(config.tick.monitors.drive.response_s * config.loop.rate_Hz)) + 1),
-        astray_(config.tick.monitors.drive.follow_time_s + 2.0 / config.loop.rate_Hz, safety::kDriveRecovery) {
+        told_(
+            static_cast<std::size_t>(std::ceil(config.tick.monitors.drive.response_s * config.loop.rate_Hz)) +
+            1),
+        astray_(config.tick.monitors.drive.follow_time_s + 2.0 / config.loop.rate_Hz,
+                safety::kDriveRecovery) {
     torque_ = {command_.slot("Torque1"), command_.slot("Torque2")};
     enable_ = command_.slot("Enable");
     state_ = command_.slot("State");
@@ -107,14 +110,15 @@ class Judge final : public can::Bus {
     enabled_ = enable;
   }
 
-  // docs/safety.md: a report outside of the span of the commands of the last response_s, widened by the tolerance,
-  // counts by its share of the time. A command that allowed no torque stands for zero.
+  // docs/safety.md: a report outside of the span of the commands of the last response_s, widened by the
+  // tolerance, counts by its share of the time. A command that allowed no torque stands for zero.
   void judgeDrives(const Measurement& measurement, std::int64_t now_ns) noexcept {
     constexpr double kUncertain_Nm = 0.1;
     bool astray = false;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double tolerance_Nm =
-          config_.tick.monitors.drive.follow_tolerance * config_.tick.limits.joint[j].torque_Nm + kUncertain_Nm;
+          config_.tick.monitors.drive.follow_tolerance * config_.tick.limits.joint[j].torque_Nm +
+          kUncertain_Nm;
       double lowest_Nm = told_[0][j];
       double highest_Nm = told_[0][j];
       for (const auto& told : told_) {
@@ -173,8 +177,8 @@ std::vector<double> effects_s(const app::RunConfig& scenario, const sim::Rig& ri
   return effects;
 }
 
-// A loop that stands still can do nothing: what is owed is put off by each stall that comes before it, its own that
-// of a stall excepted.
+// A loop that stands still can do nothing: what is owed is put off by each stall that comes before it, its
+// own that of a stall excepted.
 double putOff(double owed_s, double effect_s, const sim::FaultEvent* own, const app::RunConfig& scenario) {
   for (const sim::FaultEvent& event : scenario.faults) {
     if (event.kind != sim::FaultKind::kLoopStall || &event == own) {
@@ -217,7 +221,8 @@ std::vector<Reaction> reactions(const app::RunConfig& scenario, const sim::Rig& 
     }
     const sim::FaultEvent& event = scenario.faults[i];
     if (const auto owed_s = owedStop_s(scenario.faults, i, effects[i], scenario)) {
-      found.push_back(react(event.kind, effects[i], putOff(*owed_s, effects[i], &event, scenario), stopped_s));
+      found.push_back(
+          react(event.kind, effects[i], putOff(*owed_s, effects[i], &event, scenario), stopped_s));
     }
   }
   if (judge.disobeyed && (stopped_s < 0.0 || judge.disobeyed->since_s <= stopped_s)) {

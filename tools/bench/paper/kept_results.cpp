@@ -21,12 +21,13 @@ std::optional<nlohmann::json> KeptResults::find(const std::string& name, const s
   if (!std::filesystem::exists(path)) {
     return std::nullopt;
   }
-  const nlohmann::json file = app::loadJson(path);
+  nlohmann::json file;
   try {
+    file = app::loadJson(path);
     if (file.at("settings").get<std::string>() == settings) {
       return file.at("result");
     }
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const std::exception& error) {
     throw app::FileError(path.string() + ": damaged: " + error.what() + "; remove it to have it made anew");
   }
   throw app::FileError(path.string() + ": made with other settings (" +
