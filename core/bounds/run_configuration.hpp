@@ -45,7 +45,7 @@ inline constexpr std::array kEstimation{
     number("estimation.switching_rad_s2", "rad/s²", 1e-3, 10000, "as delta_rad_s2"),
     number("estimation.boundary_rad_s", "rad/s", 1e-6, 1, "wider than a rate that matters, nothing switches"),
     number("estimation.bandwidth_Hz", "Hz", 1e-3, 5000, "slower than a therapy's unit; below half the encoder's rate"),
-    number("estimation.damping_ratio", "", 0.01, 100, "ringing a hundred times is no observer; tuning by search has ended at 30"),
+    number("estimation.damping_ratio", "", 0.01, 10, "slower by two decades, or ringing a hundred times, is no observer"),
     number("estimation.rate_bound_rad_s3", "rad/s³", 1e-3, 1e6, "10000 rad/s² (delta_rad_s2) within 10 ms"),
     number("estimation.root_gain", "(rad/s³)^½", 1e-3, 1e4, "ten times the square root of the highest rate_bound_rad_s3"),
     number("estimation.position_noise_rad", "rad", 1e-9, 0.1, "finer than 32 bits a turn; worse than a goniometer on skin"),

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "firmware_app/files/csv_table.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 #include "tools/diagnose/recording_file.hpp"
 
@@ -136,12 +137,15 @@ TEST_CASE("a case on disk reads back as the case in memory") {
   REQUIRE(loaded.rows() > 0.99 * static_cast<double>(drawn.run.recording.rows()));
   CHECK_FALSE(loaded.activation[1].empty());
   const std::vector<double>& command = drawn.run.command_Nm[0];
+  // A recording begins at zero, the file a tick and the jitter of its first stamp later.
+  const double begun_s = patella::app::CsvTable::load(folder.path() / "case.csv").column("t_s")[0];
   double square_rad = 0.0, square_Nm = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 1000; i + 1000 < loaded.rows(); ++i, ++count) {
-    // The file's clock is one tick ahead, and starts within the jitter of it.
-    const auto k = static_cast<std::size_t>(std::lround(loaded.time_s[i] / kTick_s)) - 1;
-    const double rest_s = loaded.time_s[i] - kTick_s * static_cast<double>(k + 1);
+    // The file's clock is one tick ahead.
+    const double time_s = begun_s + loaded.time_s[i];
+    const auto k = static_cast<std::size_t>(std::lround(time_s / kTick_s)) - 1;
+    const double rest_s = time_s - kTick_s * static_cast<double>(k + 1);
     const double rate = (drawn.run.encoder_rad[0][k + 1] - drawn.run.encoder_rad[0][k]) / kTick_s;
     const double error_rad = loaded.position_rad[0][i] - drawn.run.encoder_rad[0][k] - rate * rest_s;
     // A held torque may have been taken from the tick before or after.

@@ -1,6 +1,8 @@
 // The parts of the comparison between networks and observers that can be known beforehand.
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -15,11 +17,12 @@ using namespace patella::bench;
 
 namespace {
 
-Tuned tunedMethod(const std::string& name) {
+Tuned tunedMethod(const std::string& name, std::vector<double> values = {30.0, 30.0, 30.0}) {
   const auto& all = methods();
   const auto found = std::find_if(all.begin(), all.end(), [&](const Method& m) { return m.name == name; });
   REQUIRE(found != all.end());
-  return {&*found, {30.0, 30.0, 30.0}};
+  REQUIRE(values.size() >= found->tunables.size());
+  return {&*found, std::move(values)};
 }
 
 Tuned kalman() {
@@ -63,7 +66,7 @@ TEST_CASE("a push is foretold by its rate better than by holding it") {
   CHECK(sum(meanError(predictConstantRate(recording, run, kalman(), 0.05))) <
         sum(meanError(deliverObserver(run, 0.05))));
   CHECK(knowsRate(kalman(), recording.condition));
-  const Tuned momentum = tunedMethod("momentum, 2nd order");
+  const Tuned momentum = tunedMethod("momentum, 2nd order", {30.0, 30.0, 0.7, 0.7});
   CHECK_FALSE(knowsRate(momentum, recording.condition));
   CHECK_FALSE(knowsRate(tunedMethod("extended Kalman, force, random walk"), recording.condition));
   CHECK_THROWS_AS(predictConstantRate(recording, run, momentum, 0.05), std::invalid_argument);

@@ -282,7 +282,7 @@ TEST_CASE("a rehearsal may wait longer, and not for ever") {
       CHECK_THROWS_AS(rehearse(beyond(bound, bound.rehearsal_maximum, 1.0)), app::FileError);
     }
   }
-  CHECK(rows == 10);
+  CHECK(rows == 11);
 }
 
 TEST_CASE("a run shorter than a tick is no run without an end") {
