@@ -156,12 +156,12 @@ std::string heading(const std::vector<InputFile>& files) {
   return text;
 }
 
-// What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
-// show (docs/training.md, Linear path).
 void warnOfWeights(const RunConfig& config) {
   if (config.weights && !config.weights_sealed) {
     spdlog::warn("{}", unsealedWarning(config.weights_path));
   }
+  // What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
+  // show (docs/training.md, Linear path).
   if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
       config.tick.compensation == tick::CompensationSource::kNetwork) {
     spdlog::warn(
@@ -169,6 +169,27 @@ void warnOfWeights(const RunConfig& config) {
         "with --linear-lags none",
         config.weights_path.string());
   }
+}
+
+// How much of a log was played, and how the commands of the two compare.
+void addReplay(nlohmann::ordered_json& summary, const can::ReplayBus& replay, const std::string& log) {
+  summary["replay"] = {{"recorded_commands", replay.recordedCommands()},
+                       {"different_commands", replay.commandMismatches()},
+                       {"frames", replay.frames()},
+                       {"frames_played", replay.playedFrames()}};
+  if (replay.playedFrames() < replay.frames()) {
+    spdlog::warn("{}: only {} of {} frames were played; the run ended before the log did", log,
+                 replay.playedFrames(), replay.frames());
+  }
+  if (replay.cutLine() != 0) {
+    summary["replay"]["cut_in_line"] = replay.cutLine();
+  }
+}
+
+// A replay repeats what happened; that it happened is in the summary.
+RunStatus statusOf(const RunConfig& config, safety::State state) {
+  const bool stopped = state == safety::State::kFault || state == safety::State::kLimited;
+  return stopped && config.backend.kind != BackendKind::kReplay ? RunStatus::kStopped : RunStatus::kOk;
 }
 
 // Writes the summary, then shows it, for there may be nobody to read it. False where something of the
@@ -258,28 +279,10 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   nlohmann::ordered_json summary = summarise(config, files, loop.statistics(), backend.bus->statistics(),
                                              decoder, recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
-    summary["replay"] = {{"recorded_commands", backend.replay->recordedCommands()},
-                         {"different_commands", backend.replay->commandMismatches()},
-                         {"frames", backend.replay->frames()},
-                         {"frames_played", backend.replay->playedFrames()}};
-    if (backend.replay->playedFrames() < backend.replay->frames()) {
-      spdlog::warn("{}: only {} of {} frames were played; the run ended before the log did",
-                   config.backend.target, backend.replay->playedFrames(), backend.replay->frames());
-    }
-    if (backend.replay->cutLine() != 0) {
-      summary["replay"]["cut_in_line"] = backend.replay->cutLine();
-    }
+    addReplay(summary, *backend.replay, config.backend.target);
   }
-  if (!conclude(summary, folder, recorder)) {
-    return RunStatus::kRecordingFailed;
-  }
-  // A replay repeats what happened; that it happened is in the summary.
-  const safety::State state = loop.statistics().final_state;
-  if (config.backend.kind == BackendKind::kReplay) {
-    return RunStatus::kOk;
-  }
-  return state == safety::State::kFault || state == safety::State::kLimited ? RunStatus::kStopped
-                                                                            : RunStatus::kOk;
+  return conclude(summary, folder, recorder) ? statusOf(config, loop.statistics().final_state)
+                                             : RunStatus::kRecordingFailed;
 }
 
 }  // namespace patella::app
