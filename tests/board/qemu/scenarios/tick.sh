@@ -28,7 +28,8 @@ within() {
     /^ *whole tick/ { found = 1; if ($field > limit) { print "FAILED: a tick takes " $field " " unit ", expected at most " limit; exit 1 } }
     END { if (!found) { print "FAILED: no figure for the whole tick"; exit 1 } }' "$PATELLA_ARTEFACTS/$1.txt" || failed=1
 }
-# Budgets, a tenth above what was counted when this was written: mean, and p99.9.
+# Budgets, a tenth above what was counted when this was written: mean, and p99.9. The rig looks at its bus four times a
+# period, on a clock of its own: whether one of these wake-ups, 13 µs and more, falls into the tick is a matter of phase.
 within instructions 3 155000 instructions
-within time 8 220 µs
+within time 8 245 µs
 finish
