@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -203,8 +204,10 @@ class Tester {
   }
 
   std::vector<Dependence> result() && {
-    std::stable_sort(ranked_.begin(), ranked_.end(),
-                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::sort(ranked_.begin(), ranked_.end(), [](const auto& a, const auto& b) {
+      return std::tie(b.first, a.second.joint, a.second.variable) <
+             std::tie(a.first, b.second.joint, b.second.variable);
+    });
     std::vector<Dependence> found;
     for (auto& item : ranked_) {
       found.push_back(std::move(item.second));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -94,8 +95,9 @@ class Selector {
       step.accepted = best->atom->label;
       accept(*best, p_value);
     }
-    std::stable_sort(step.ranking.begin(), step.ranking.end(),
-                     [](const auto& a, const auto& b) { return a.gain > b.gain; });
+    std::sort(step.ranking.begin(), step.ranking.end(), [](const auto& a, const auto& b) {
+      return std::tie(b.gain, a.label) < std::tie(a.gain, b.label);
+    });
     result_.steps.push_back(std::move(step));
     return accepted;
   }
