@@ -83,12 +83,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     return app.exit(error) == 0 ? 0 : kError;
   }
 
-  if (bounds.parsed()) {
-    fmt::print("{}", patella::app::boundsDocument());
-    return 0;
-  }
-
   try {
+    if (bounds.parsed()) {
+      fmt::print("{}", patella::app::boundsDocument());
+      return 0;
+    }
     if (run.parsed()) {
       patella::app::openStandardStreams();
       patella::app::reactToSignals(requestStop);

@@ -65,7 +65,7 @@ ChannelGroup channelGroup(FaultKind kind) noexcept;
 /// True for what happens to the loop's host rather than in the rig.
 bool actsOnLoop(FaultKind kind) noexcept;
 
-/// Of those, what takes memory and disk of the machine itself.
+/// True for the faults of the host that take memory and disk of the machine itself.
 bool actsOnMachine(FaultKind kind) noexcept;
 
 /// Messages of the rig's bus.
@@ -104,12 +104,12 @@ struct FaultEvent {
   bool counter_correct = true;  ///< forged_frames
   bool crc_correct = true;      ///< forged_frames
   /// loop_stall: where in the tick it strikes; none: between two ticks.
-  std::optional<tick::Stage> stage;
+  std::optional<tick::Stage> stage{};
 
   bool activeAt(double t_s) const noexcept {
     return t_s >= time_s && t_s < time_s + duration_s && (cycle_s <= 0.0 || t_s < burstEnd(t_s));
   }
-  /// Of the cycle that t_s lies in; of the whole fault where it has no breaks.
+  /// Start of the cycle that t_s lies in; start of the whole fault where it has no breaks.
   double burstStart(double t_s) const noexcept {
     return cycle_s > 0.0 ? time_s + std::floor((t_s - time_s) / cycle_s) * cycle_s : time_s;
   }

@@ -117,7 +117,7 @@ headline "tests: release"
 ctest --preset release -j "$(nproc)" -LE uml
 ctest --preset release "${again[@]}" -L uml
 
-# Of the unit tests, those that depend on processor or libraries: byte order, the heap's symbols, the lines.
+# The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
 run_board allocation_counter_test can_test gpiod_pins_test
 
 # Where it is there, clang builds every sanitizer: in half the time that GCC takes.

@@ -7,7 +7,7 @@
 namespace patella::model {
 namespace {
 
-/// Of a symmetric positive definite 1x1 or 2x2 matrix.
+/// Inverse of a symmetric positive definite 1x1 or 2x2 matrix.
 JointMatrix inverse(const JointMatrix& m) noexcept {
   JointMatrix result(m.rows(), m.cols());
   if (m.rows() == 1) {

@@ -42,7 +42,7 @@ void LinearHistory::reset() noexcept {
   trust_ = 1.0;
 }
 
-/// Of the step `age` before the newest in the ring, or of the oldest there is.
+/// Products of the step that is `age` before the newest in the ring, or of the oldest there is.
 const float* LinearHistory::productsOf(int age) const noexcept {
   const int back = 1 + std::min(age, count_ - 1);
   return products_.data() + (slot_ >= back ? slot_ - back : slot_ - back + length_) * weight_.paddedRows();
@@ -59,7 +59,7 @@ void LinearHistory::prepare() noexcept {
   }
 }
 
-/// Of this step alone.
+/// Trust that this step alone deserves.
 double LinearHistory::trustInSum() const noexcept {
   double trust = 1.0;
   for (std::size_t i = 0; i < sum_.size(); ++i) {

@@ -36,7 +36,7 @@ std::string where(const std::string& origin) {
 }
 
 /// A binding with the names that messages give it.
-struct Bound {
+struct NamedBinding {
   const Binding& binding;
   const char* kind;  ///< "input" or "output"
   std::string message;
@@ -56,7 +56,7 @@ Dimension dimensionOfOutput(const std::string& output) {
   return output.starts_with("torque_Nm.") ? Dimension::kTorque : Dimension::kNone;
 }
 
-void checkFree(const Bound& bound, const Database& database, const Protection* protection) {
+void checkFree(const NamedBinding& bound, const Database& database, const Protection* protection) {
   if (protection != nullptr && bound.binding.signal == protection->counter_signal)
     bound.fail(bound.signal() + " is the counter of its message, expected one that carries data");
   if (protection != nullptr && bound.binding.signal == protection->crc_signal)
@@ -66,7 +66,7 @@ void checkFree(const Bound& bound, const Database& database, const Protection* p
     bound.fail(bound.signal() + " is a multiplexor, expected one that carries data");
 }
 
-void checkUnit(const Bound& bound, const Database& database, Dimension dimension) {
+void checkUnit(const NamedBinding& bound, const Database& database, Dimension dimension) {
   const Signal* signal = bound.find(database);
   const auto unit = signal == nullptr ? std::nullopt : findUnit(signal->unit);
   if (!unit || !bound.binding.scale_reason.empty())
@@ -128,7 +128,7 @@ class Check {
   }
 
   void checkInput(const Binding& binding) {
-    const Bound bound{binding, "input", binding.message};
+    const NamedBinding bound{binding, "input", binding.message};
     InputId id;
     try {
       id = inputOf(binding.input, kMaxJoints);
@@ -154,7 +154,7 @@ class Check {
   static void checkShared(const std::vector<const Binding*>& bindings) {
     const Binding& first = *bindings.front();
     for (const Binding* binding : bindings) {
-      const Bound bound{*binding, "input", binding->message};
+      const NamedBinding bound{*binding, "input", binding->message};
       const bool shareable = inputOf(binding->input, kMaxJoints).kind().shareable;
       if (binding->shared && !shareable)
         bound.fail("says 'shared', expected that of drive_enabled and drive_fault only");
@@ -177,7 +177,7 @@ class Check {
     std::map<std::string, const Binding*> names;
     std::map<std::string, const Binding*> signals;
     for (const Binding& binding : command.bindings) {
-      const Bound bound{binding, "output", command.message};
+      const NamedBinding bound{binding, "output", command.message};
       const auto unique = [&](auto& known, const std::string& key, const std::string& problem) {
         const auto [other, first] = known.try_emplace(key, &binding);
         if (!first) {
@@ -230,7 +230,7 @@ std::string unguarded(const Protection& protection) {
   return "has neither counter nor CRC: frames that are damaged, lost or repeated would go unseen";
 }
 
-std::string unitRemark(const Bound& bound, const Database& database, Dimension dimension) {
+std::string unitRemark(const NamedBinding& bound, const Database& database, Dimension dimension) {
   const Signal* signal = bound.find(database);
   if (signal == nullptr)
     return "";

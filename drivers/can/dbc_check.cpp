@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "drivers/can/dbc_limits.hpp"
 
@@ -113,18 +115,40 @@ bool disjoint(const std::vector<MultiplexRange>& a, const std::vector<MultiplexR
   });
 }
 
-/// True where some multiplexor above both selects them by different values.
-bool neverTogether(const Message& message, const std::vector<std::size_t>& above, std::size_t a,
-                   std::size_t b) {
-  const std::vector<Signal>& signals = message.signals;
-  for (std::size_t x = a; x != kNoSignal && above[x] != kNoSignal; x = above[x]) {
-    for (std::size_t y = b; y != kNoSignal && above[y] != kNoSignal; y = above[y]) {
-      if (above[x] == above[y] && disjoint(signals[x].multiplex_ranges, signals[y].multiplex_ranges))
-        return true;
+/// Which signals of a message never stand in one frame. Each pair is to be asked for once; the multiplexors
+/// above them are compared once as well, however many signals they select.
+class Exclusions {
+ public:
+  Exclusions(const Message& message, const std::vector<std::size_t>& above)
+      : signals_(message.signals), above_(above) {}
+
+  /// True where some multiplexor above both selects them by different values.
+  bool exclude(std::size_t a, std::size_t b) {
+    for (std::size_t x = a; x != kNoSignal && above_[x] != kNoSignal; x = above_[x]) {
+      for (std::size_t y = b; y != kNoSignal && above_[y] != kNoSignal; y = above_[y]) {
+        const bool is_pair_itself = x == a && y == b;
+        if (above_[x] == above_[y] && (is_pair_itself ? differ(x, y) : differOnceCompared(x, y)))
+          return true;
+      }
     }
+    return false;
   }
-  return false;
-}
+
+ private:
+  bool differ(std::size_t x, std::size_t y) const {
+    return disjoint(signals_[x].multiplex_ranges, signals_[y].multiplex_ranges);
+  }
+  bool differOnceCompared(std::size_t x, std::size_t y) {
+    const auto [known, first] = known_.try_emplace({x, y}, false);
+    if (first)
+      known->second = differ(x, y);
+    return known->second;
+  }
+
+  const std::vector<Signal>& signals_;
+  const std::vector<std::size_t>& above_;
+  std::map<std::pair<std::size_t, std::size_t>, bool> known_;
+};
 
 void checkSignal(const Message& message, const Signal& signal, std::size_t mark, const DbcReporter& report) {
   const int last = firstLinearBit(signal) + signal.length - 1;
@@ -160,11 +184,12 @@ void completeAndCheck(Message& message, const DbcMarks& marks, const DbcReporter
   resolveMultiplexors(message, marks, report);
   const std::vector<std::size_t> above = selectors(message);
   checkCascades(message, above, marks, report);
+  Exclusions exclusions(message, above);
   std::vector<Bits> bits;
   for (std::size_t i = 0; i < message.signals.size(); ++i) {
     bits.push_back(occupiedBits(message.signals[i]));
     for (std::size_t k = 0; k < i; ++k) {
-      if (bits[i].overlaps(bits[k]) && !neverTogether(message, above, i, k)) {
+      if (bits[i].overlaps(bits[k]) && !exclusions.exclude(i, k)) {
         report(marks.signals[i], "signals " + quote(message.signals[k].name) + " and " +
                                      quote(message.signals[i].name) + " overlap in message " +
                                      quote(message.name));

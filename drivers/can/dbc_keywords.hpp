@@ -13,9 +13,9 @@ inline constexpr std::array<std::string_view, 22> kSkippedStatements = {
     "SIG_TYPE_REF_",    "SIG_GROUP_", "BA_REL_",      "BA_DEF_REL_",       "BA_SGTYPE_", "BA_DEF_DEF_REL_",
     "BA_DEF_SGTYPE_",   "BU_SG_REL_", "BU_EV_REL_",   "BU_BO_REL_",        "CAT_DEF_",   "CAT_",
     "SIGTYPE_VALTYPE_", "NS_DESC_",   "FILTER",       "BA_DEF_DEF_SGTYPE_"};
-inline constexpr std::array<std::string_view, 15> kReadStatements = {
-    "VERSION", "NS_", "BS_",         "BU_",  "BO_",         "SG_",          "BO_TX_BU_", "CM_",
-    "BA_DEF_", "BA_", "BA_DEF_DEF_", "VAL_", "SG_MUL_VAL_", "SIG_VALTYPE_", "VAL_TABLE_"};
+inline constexpr std::array<std::string_view, 14> kReadStatements = {
+    "VERSION", "NS_",     "BS_", "BU_",         "BO_",  "SG_",         "BO_TX_BU_",
+    "CM_",     "BA_DEF_", "BA_", "BA_DEF_DEF_", "VAL_", "SG_MUL_VAL_", "SIG_VALTYPE_"};
 
 template <typename List>
 bool contains(const List& list, std::string_view word) {

@@ -301,7 +301,7 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
   }
 }
 
-// Input by input: of a multiplexed message one part may be missing while the others come.
+// Input by input: one part of a multiplexed message may be missing while the others come.
 bool MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const noexcept {
   for (std::size_t input = 0; input < kInputCount; ++input) {
     if (kInputKinds[input].group != group)

@@ -44,8 +44,8 @@ can::Protection readProtection(const TomlTable& table) {
           .origin = table.origin()};
 }
 
-void requireLongerThan(const TomlTable& table, const char* key, double timeout_s, const char* period_key,
-                       double period_s) {
+void requireAtLeast(const TomlTable& table, const char* key, double timeout_s, const char* period_key,
+                    double period_s) {
   if (timeout_s < period_s) {
     throw table.error(key, "value " + formatNumber(timeout_s) + ", expected at least " + period_key +
                                ", which is " + formatNumber(period_s));
@@ -62,9 +62,8 @@ void readTiming(const TomlTable& table, bool rehearsal, can::BusMap& map) {
   timeout(boundOf("checks.operator_timeout_s"), map.operator_timeout_s);
   map.encoder_period_s = number(table, boundOf("checks.encoder_period_s"), map.encoder_period_s);
   map.emg_period_s = number(table, boundOf("checks.emg_period_s"), map.emg_period_s);
-  requireLongerThan(table, "encoder_timeout_s", map.encoder_timeout_s, "encoder_period_s",
-                    map.encoder_period_s);
-  requireLongerThan(table, "emg_timeout_s", map.emg_timeout_s, "emg_period_s", map.emg_period_s);
+  requireAtLeast(table, "encoder_timeout_s", map.encoder_timeout_s, "encoder_period_s", map.encoder_period_s);
+  requireAtLeast(table, "emg_timeout_s", map.emg_timeout_s, "emg_period_s", map.emg_period_s);
   readInteger(table, boundOf("checks.tolerated_bad_frames"), map.tolerated_bad_frames, rehearsal);
 }
 

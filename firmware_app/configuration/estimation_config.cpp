@@ -16,7 +16,7 @@
 namespace patella::app {
 namespace {
 
-/// Of the encoder's rate, at most, where no cut-off is given.
+/// Largest share of the encoder's rate that the cut-off takes where none is given.
 constexpr double kUsualShare = 0.25;
 
 struct Named {

@@ -29,7 +29,7 @@ enum class ObserverKind {
 /// As written in the configuration: implicit_sampler, …, kalman_force.
 std::string_view observerName(ObserverKind kind) noexcept;
 
-/// Of the settings, those of the kind are of interest.
+/// Only the settings of `kind` are used.
 struct ObserverConfig {
   ObserverKind kind = ObserverKind::kImplicitSampler;
   estimation::SamplerParameters sampler;

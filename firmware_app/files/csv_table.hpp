@@ -41,7 +41,7 @@ class CsvTable {
   /// `name` stands for the file in messages.
   static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
 
-  /// Of the columns that were read, in the order of the file.
+  /// Names of the columns that were read, in the order of the file.
   const std::vector<std::string>& names() const noexcept { return names_; }
   std::size_t rows() const noexcept { return rows_; }
   bool has(std::string_view name) const noexcept;

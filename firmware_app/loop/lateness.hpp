@@ -8,11 +8,12 @@
 
 namespace patella::app {
 
+/// More than that is a fault.
 struct LatenessLimits {
   double rate_Hz = 1000.0;
-  int overruns_tolerated = 3;            ///< consecutive ticks that may end after the next one was due
-  double stall_tolerated_s = 0.02;       ///< longest gap between two ticks
-  double missed_share_tolerated = 0.05;  ///< share of the periods that may be missed for good
+  int overruns_tolerated = 3;       ///< consecutive ticks that may end after the next one was due
+  double stall_tolerated_s = 0.02;  ///< longest gap between two ticks; the drives drop torque after 20 ms
+  double missed_share_tolerated = 0.05;  ///< of the periods, for good; the more, the sooner it is a fault
 };
 
 class Lateness {

@@ -52,10 +52,7 @@ Loop::Loop(const LoopOptions& options, Clock& clock, can::Bus& bus, gpio::Pins& 
       recorder_(recorder),
       frames_(kFramesPerTick),
       statistics_(std::make_unique<LoopStatistics>()),
-      lateness_({.rate_Hz = options.rate_Hz,
-                 .overruns_tolerated = options.overruns_tolerated,
-                 .stall_tolerated_s = options.stall_tolerated_s,
-                 .missed_share_tolerated = options.missed_share_tolerated}),
+      lateness_(options),
       send_failures_(options.send_failures_tolerated) {
   stop_.torque_Nm = JointVector::Zero(tick.joints());
   stop_.state = static_cast<std::uint8_t>(safety::State::kFault);

@@ -21,13 +21,9 @@
 
 namespace patella::app {
 
-struct LoopOptions {
-  double rate_Hz = 1000.0;
-  std::uint64_t max_ticks = 0;           ///< 0: until stopped or the backend is exhausted
-  int overruns_tolerated = 3;            ///< consecutive ticks that may miss their period before a fault
-  double missed_share_tolerated = 0.05;  ///< of the periods, for good; more is a fault, the more the sooner
+struct LoopOptions : LatenessLimits {
+  std::uint64_t max_ticks = 0;      ///< 0: until stopped or the backend is exhausted
   int send_failures_tolerated = 3;  ///< commands that may be lost in a row, or among others, before a fault
-  double stall_tolerated_s = 0.02;  ///< longest gap between two ticks; the drives drop torque after 20 ms
   double clock_step_s = 0.05;       ///< change of wall time against the loop's clock that is told of
   int warmup_ticks = 200;           ///< heap operations and page faults are counted from here on
   int shutdown_frames = 10;         ///< zero-torque, drives-disabled frames sent when the loop ends

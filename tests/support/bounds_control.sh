@@ -1,20 +1,8 @@
 #!/usr/bin/env bash
 # The check of bounds must find what is wrong, and only that: bounds_control.sh CHECK
 set -euo pipefail
-check=$1
-root=$(mktemp -d)
-trap 'rm -rf "$root"' EXIT
+. "$(dirname "$0")/check_control.sh" "$1"
 mkdir -p "$root/firmware_app/files" "$root/firmware_app/configuration"
-
-expect() {  # expect STATUS TEXT
-  status=0
-  output=$("$check" "$root" 2>&1) || status=$?
-  if [ "$status" -ne "$1" ] || ! grep -qF "$2" <<<"$output"; then
-    echo "status $status, expected $1, with '$2' in:" >&2
-    echo "$output" >&2
-    exit 1
-  fi
-}
 
 file=$root/firmware_app/configuration/reader.cpp
 echo 'inline constexpr Range kAnyNumber{};' >"$root/firmware_app/files/toml_table.hpp"

@@ -1,20 +1,8 @@
 #!/usr/bin/env bash
 # The check of dependencies must find what is wrong, and only that: dependency_control.sh CHECK
 set -euo pipefail
-check=$1
-root=$(mktemp -d)
-trap 'rm -rf "$root"' EXIT
+. "$(dirname "$0")/check_control.sh" "$1"
 mkdir -p "$root/core/model" "$root/drivers" "$root/sim"
-
-expect() {  # expect STATUS TEXT
-  status=0
-  output=$("$check" "$root" 2>&1) || status=$?
-  if [ "$status" -ne "$1" ] || ! grep -qF "$2" <<<"$output"; then
-    echo "status $status, expected $1, with '$2' in:" >&2
-    echo "$output" >&2
-    exit 1
-  fi
-}
 
 echo '#include "core/types.hpp"' >"$root/drivers/good.cpp"
 printf '#include <vector>\n#include <Eigen/Core>\n' >"$root/core/good.hpp"

@@ -22,8 +22,8 @@ struct TimeBase {
   std::size_t longest_gap_row = 0;  ///< row at its end
 };
 
-/// Of rows with the same stamp the last is kept. Throws std::invalid_argument "<row> ..." when time goes
-/// back.
+/// The last of several rows with the same stamp is kept. Throws std::invalid_argument "<row> ..." when time
+/// goes back.
 TimeBase cleanTime(std::span<const double> stamps_s);
 
 /// First instant, then one each 1/rate_Hz, up to the last.

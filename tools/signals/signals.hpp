@@ -40,7 +40,7 @@ CorrelationPeak correlationPeak(std::span<const double> leader, std::span<const 
 
 /// Value below which a share of the samples lies, 0…1.
 double quantile(std::span<const double> signal, double share);
-/// Of an even number of samples the mean of the middle two.
+/// The mean of the middle two where the number of samples is even.
 double median(std::span<const double> signal);
 
 }  // namespace patella::offline

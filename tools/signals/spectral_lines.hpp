@@ -11,8 +11,8 @@ namespace patella::offline {
 struct SpectralLineOptions {
   double highest_Hz = 15.0;
   int most = 60;  ///< the highest
-  /// A line's power over the median power of its surroundings. Of noise alone, one bin in a million
-  /// reaches 20.
+  /// A line's power over the median power of its surroundings. One bin in a million
+  /// of noise alone reaches 20.
   double least_prominence = 20.0;
 };
 

@@ -8,11 +8,11 @@
 namespace patella::train {
 namespace {
 
-// Of a sample, in units of normalised features; without validation the first.
+// Ridges to choose from, per sample, in units of normalised features; without validation the first is taken.
 constexpr std::array kRidges = {1e-3, 1e-1, 1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
-/// Of the largest that the path says over the trained steps: room for what is a little larger elsewhere.
+/// Bound over the largest that the path says in training: room for what is a little larger elsewhere.
 constexpr double kBoundMargin = 1.25;
-/// Of the output's scale, where there is nothing linear to say.
+/// Bound, as a share of the output's scale, where there is nothing linear to say.
 constexpr double kSmallestBound = 1e-6;
 
 /// Sums over the steps of a role.

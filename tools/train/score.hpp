@@ -32,7 +32,7 @@ Rows deliveredOf(const network::NetworkWeights& weights, const Sequence& sequenc
 
 /// "rad/s²" or "N·m".
 std::string unitOf(network::OutputKind output);
-/// Of the errors, a line for each joint.
+/// The errors, a line for each joint.
 std::string scoreText(const Score& score, network::OutputKind output);
 
 }  // namespace patella::train

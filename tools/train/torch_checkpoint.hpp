@@ -25,7 +25,7 @@ void saveCheckpoint(const std::filesystem::path& path, const std::string& identi
 /// or of another identity.
 void loadCheckpoint(const std::filesystem::path& path, const std::string& identity, TrainingState& state);
 
-/// Of options, data and the libraries' versions, in a few words that differ when one of them does.
+/// A few words that differ when options, data or one of the libraries' versions differ.
 std::string identityOf(std::span<const Sequence> sequences, const network::NetworkWeights& frame,
                        const TrainingOptions& options);
 

@@ -197,7 +197,7 @@ class Training {
     return loss.item<double>() / validation_.weight.sum().item<double>();
   }
 
-  /// Of each sequence by itself.
+  /// Mean loss of each sequence by itself.
   torch::Tensor validationLosses(const TorchNetwork& network) const {
     const torch::NoGradGuard no_gradients;
     const torch::Tensor error = network.recurrentPath(validation_.input) - validation_.target;

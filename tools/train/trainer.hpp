@@ -44,7 +44,7 @@ struct TrainingOptions {
   int heads = 8;
   int window = 64;
   network::AttentionScale attention_scale = network::AttentionScale::kInvSqrt;
-  /// Of the linear path beside LSTM and attention, steps; empty: none.
+  /// Lags of the linear path beside LSTM and attention, in steps; empty: no such path.
   std::vector<int> linear_lags{};
   Initialisation initialisation = Initialisation::kPytorch;
   double turn_s = 2.0;  ///< of spreadGates()

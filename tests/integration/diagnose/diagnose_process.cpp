@@ -1,18 +1,8 @@
 #include "diagnose_process.hpp"
 
 #include <cmath>
-#include <sstream>
 
-#include <doctest/doctest.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "firmware_app/files/atomic_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 
 namespace patella::test {
 namespace {
@@ -23,52 +13,8 @@ constexpr double kGravity_m_s2 = 9.81;
 
 }  // namespace
 
-Outcome runProgram(const std::string& executable, const std::vector<std::string>& arguments) {
-  std::vector<std::string> words;
-  std::istringstream emulator(PATELLA_EMULATOR);
-  for (std::string word; emulator >> word;) {
-    words.push_back(word);
-  }
-  words.push_back(executable);
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) {
-    pointers.push_back(word.data());
-  }
-  pointers.push_back(nullptr);
-
-  const ScratchFolder folder;
-  const std::string output = (folder / "output").string();
-  const std::string errors = (folder / "errors").string();
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0600);
-  pid_t child = 0;
-  const int error = posix_spawn(&child, pointers[0], &actions, nullptr, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  REQUIRE(error == 0);
-  int status = 0;
-  struct rusage usage {};
-  REQUIRE(wait4(child, &status, 0, &usage) == child);
-  return {.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
-          .output = app::readFile(output),
-          .errors = app::readFile(errors),
-          .peak_MB = 1e-3 * static_cast<double>(usage.ru_maxrss)};
-}
-
 Outcome diagnose(const std::vector<std::string>& arguments) {
   return runProgram(PATELLA_DIAGNOSE_EXECUTABLE, arguments);
-}
-
-std::set<std::string> listing(const std::filesystem::path& folder) {
-  std::set<std::string> paths;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    paths.insert(std::filesystem::relative(entry.path(), folder).string());
-  }
-  return paths;
 }
 
 std::string kneeCsv(double loss_Nm, double duration_s, double start_s) {

@@ -11,8 +11,8 @@ using namespace patella::test;
 
 namespace {
 
-/// Of a diagnosis of a knee that rubs, tremors considered: their frequencies are what grew with the
-/// recording.
+/// Outcome of the diagnosis of a knee that rubs. Tremors are considered, since it is their frequencies whose
+/// number depends on the recording's length.
 Outcome diagnosed(const std::string& csv) {
   const ScratchFolder folder;
   app::writeFile(folder / "knee.csv", csv);

@@ -1,6 +1,8 @@
-// Faults that once were found late, or judged wrongly: whole runs in virtual time, judged as the campaign
+// Faults that are hard to find in time, or to judge: whole runs in virtual time, judged as the campaign
 // judges.
 #include <filesystem>
+#include <numbers>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -37,17 +39,6 @@ void checkSound(const bench::TrialResult& result) {
   CHECK(verdict.late == 0);
 }
 
-FaultEvent drivesPush(double extra_Nm, double cycle_s, double duty) {
-  FaultEvent event;
-  event.kind = FaultKind::kDriveOverTorque;
-  event.time_s = 1.2;
-  event.channel = 1;
-  event.value = extra_Nm;
-  event.cycle_s = cycle_s;
-  event.duty = duty;
-  return event;
-}
-
 }  // namespace
 
 TEST_CASE("a drive that is wrong now and then is stopped, whatever the pattern") {
@@ -59,7 +50,12 @@ TEST_CASE("a drive that is wrong now and then is stopped, whatever the pattern")
         Pattern{260.0, 0.100, 0.05, 0.5}, Pattern{60.0, 0.400, 0.05, 1.2}}) {
     CAPTURE(cycle_s);
     CAPTURE(duty);
-    const bench::TrialResult result = trial({drivesPush(extra_Nm, cycle_s, duty)});
+    const bench::TrialResult result = trial({{.kind = FaultKind::kDriveOverTorque,
+                                              .time_s = 1.2,
+                                              .cycle_s = cycle_s,
+                                              .duty = duty,
+                                              .channel = 1,
+                                              .value = extra_Nm}});
     checkSound(result);
     CHECK(result.stopped_s > 1.2);
     CHECK(result.stopped_s < 1.2 + longest_s);
@@ -67,33 +63,22 @@ TEST_CASE("a drive that is wrong now and then is stopped, whatever the pattern")
 }
 
 TEST_CASE("an encoder that drifts and then freezes owes a stop by what there is to see of it") {
-  FaultEvent drift;
-  drift.kind = FaultKind::kEncoderDrift;
-  drift.time_s = 1.2;
-  drift.channel = 0;
-  drift.value = 2.0;
-  FaultEvent freeze = drift;
-  freeze.kind = FaultKind::kEncoderFreeze;
-  freeze.time_s = 1.208;
-  freeze.duration_s = 0.3;
-  const bench::TrialResult result = trial({drift, freeze});
+  const bench::TrialResult result =
+      trial({{.kind = FaultKind::kEncoderDrift, .time_s = 1.2, .channel = 0, .value = 2.0},
+             {.kind = FaultKind::kEncoderFreeze, .time_s = 1.208, .duration_s = 0.3, .channel = 0}});
   checkSound(result);
   CHECK(result.stopped_s > 1.2);
   CHECK(result.stopped_s < 1.6);
 }
 
 TEST_CASE("a turn that wraps behind a frozen position has its effect when the position moves again") {
-  FaultEvent freeze;
-  freeze.kind = FaultKind::kEncoderFreeze;
-  freeze.time_s = 1.2;
-  freeze.duration_s = 0.02;
-  freeze.channel = 0;
-  FaultEvent wrap = freeze;
-  wrap.kind = FaultKind::kEncoderWrap;
-  wrap.time_s = 1.205;
-  wrap.duration_s = 1.0;
-  wrap.value = 6.283185307179586;
-  const bench::TrialResult result = trial({freeze, wrap});
+  const bench::TrialResult result =
+      trial({{.kind = FaultKind::kEncoderFreeze, .time_s = 1.2, .duration_s = 0.02, .channel = 0},
+             {.kind = FaultKind::kEncoderWrap,
+              .time_s = 1.205,
+              .duration_s = 1.0,
+              .channel = 0,
+              .value = 2.0 * std::numbers::pi}});
   checkSound(result);
   CHECK(result.stopped_s > 1.205);
   for (const bench::Reaction& reaction : result.reactions) {
@@ -104,24 +89,15 @@ TEST_CASE("a turn that wraps behind a frozen position has its effect when the po
 }
 
 TEST_CASE("a stall of 300 ms between estimate and send sends nothing old, and is a stop") {
-  FaultEvent stall;
-  stall.kind = FaultKind::kLoopStall;
-  stall.time_s = 1.2;
-  stall.duration_s = 0.3;
-  stall.stage = tick::Stage::kEncode;
-  const bench::TrialResult result = trial({stall});
+  const bench::TrialResult result = trial(
+      {{.kind = FaultKind::kLoopStall, .time_s = 1.2, .duration_s = 0.3, .stage = tick::Stage::kEncode}});
   checkSound(result);
   CHECK(result.stopped_s == doctest::Approx(1.5).epsilon(0.01));
 }
 
 TEST_CASE("a loop that misses most of its periods is stopped") {
-  FaultEvent overload;
-  overload.kind = FaultKind::kLoopStall;
-  overload.time_s = 1.2;
-  overload.duration_s = 1.0;
-  overload.cycle_s = 0.007;
-  overload.duty = 0.85;
-  const bench::TrialResult result = trial({overload});
+  const bench::TrialResult result = trial(
+      {{.kind = FaultKind::kLoopStall, .time_s = 1.2, .duration_s = 1.0, .cycle_s = 0.007, .duty = 0.85}});
   checkSound(result);
   CHECK(result.stopped_s > 1.2);
   CHECK(result.stopped_s < 1.3);
@@ -129,15 +105,13 @@ TEST_CASE("a loop that misses most of its periods is stopped") {
 
 TEST_CASE("somebody else's command is a stop within two ticks, however it is made") {
   for (const bool right : {true, false}) {
-    FaultEvent forged;
-    forged.kind = FaultKind::kForgedFrames;
-    forged.time_s = 1.2;
-    forged.duration_s = 0.0015;
-    forged.channel = static_cast<int>(sim::FrameChannel::kCommand);
-    forged.value = 50.0;
-    forged.counter_correct = right;
-    forged.crc_correct = right;
-    const bench::TrialResult result = trial({forged});
+    const bench::TrialResult result = trial({{.kind = FaultKind::kForgedFrames,
+                                              .time_s = 1.2,
+                                              .duration_s = 0.0015,
+                                              .channel = static_cast<int>(sim::FrameChannel::kCommand),
+                                              .value = 50.0,
+                                              .counter_correct = right,
+                                              .crc_correct = right}});
     checkSound(result);
     CHECK(result.first_cause == safety::Fault::kForeignCommand);
     CHECK(result.stopped_s <= 1.203);

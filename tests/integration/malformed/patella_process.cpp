@@ -1,17 +1,11 @@
 #include "patella_process.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include <doctest/doctest.h>
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "tests/support/paths.hpp"
 
@@ -20,28 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string readAll(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
 std::string substituted(std::string text, std::string_view mark, const std::string& value) {
   for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + value.size())) {
     text.replace(at, mark.size(), value);
   }
   return text;
-}
-
-// A foreign architecture's executable runs in the emulator that the build names.
-std::vector<std::string> commandLine(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words;
-  std::istringstream emulator(PATELLA_EMULATOR);
-  for (std::string word; emulator >> word;) {
-    words.push_back(word);
-  }
-  words.emplace_back(PATELLA_EXECUTABLE);
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  return words;
 }
 
 void expectRefusal(const Workshop& workshop, const Case& one, const std::vector<std::string>& arguments) {
@@ -85,31 +62,13 @@ void expectRefusals(const std::vector<Case>& cases, Commands commands) {
 }  // namespace
 
 Workshop::Workshop() {
-  static std::atomic<unsigned> serial{0};
   const fs::path source = PATELLA_SOURCE_DIR;
-  root_ = fs::temp_directory_path() /
-          ("patella-malformed-" + std::to_string(getpid()) + "-" + std::to_string(serial++));
-  errors_ = root_;
-  errors_ += ".stderr";
-  output_ = root_;
-  output_ += ".stdout";
   for (const char* folder : {"firmware_app/config", "drivers/can"}) {
-    fs::create_directories(root_ / folder);
+    fs::create_directories(file(folder));
   }
-  fs::copy(source / "firmware_app/config", root_ / "firmware_app/config",
+  fs::copy(source / "firmware_app/config", file("firmware_app/config"),
            fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-  fs::copy_file(source / kDbc, root_ / kDbc);
-}
-
-Workshop::~Workshop() {
-  std::error_code ignored;
-  fs::remove_all(root_, ignored);
-  fs::remove(errors_, ignored);
-  fs::remove(output_, ignored);
-}
-
-fs::path Workshop::file(std::string_view name) const {
-  return root_ / name;
+  fs::copy_file(source / kDbc, file(kDbc));
 }
 
 void Workshop::write(std::string_view name, std::string_view bytes) const {
@@ -117,7 +76,8 @@ void Workshop::write(std::string_view name, std::string_view bytes) const {
 }
 
 std::string Workshop::read(std::string_view name) const {
-  return readAll(file(name));
+  std::ifstream stream(file(name), std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
 void Workshop::replace(std::string_view name, std::string_view from, std::string_view to) {
@@ -132,44 +92,8 @@ void Workshop::replace(std::string_view name, std::string_view from, std::string
   write(name, text);
 }
 
-std::set<std::string> Workshop::listing() const {
-  std::set<std::string> paths;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root_)) {
-    paths.insert(fs::relative(entry.path(), root_).string());
-  }
-  return paths;
-}
-
 Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
-  std::vector<std::string> words = commandLine(arguments);
-  std::vector<char*> pointers;
-  for (std::string& word : words) {
-    pointers.push_back(word.data());
-  }
-  pointers.push_back(nullptr);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors_.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0600);
-  pid_t child = 0;
-  const int error = posix_spawn(&child, pointers[0], &actions, nullptr, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  REQUIRE(error == 0);
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-
-  Outcome outcome;
-  if (WIFSIGNALED(status)) {
-    outcome.signal = WTERMSIG(status);
-  } else {
-    outcome.exit_status = WEXITSTATUS(status);
-  }
-  outcome.output = readAll(output_);
-  outcome.errors = readAll(errors_);
-  return outcome;
+  return runProgram(PATELLA_EXECUTABLE, arguments);
 }
 
 Damage replaced(std::string name, std::string from, std::string to) {

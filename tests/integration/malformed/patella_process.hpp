@@ -9,26 +9,18 @@
 #include <string_view>
 #include <vector>
 
-namespace patella::test {
+#include "tests/support/program.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
 
-/// How a process ended.
-struct Outcome {
-  int exit_status = -1;  ///< −1 when a signal ended it
-  int signal = 0;
-  std::string output;  ///< standard output
-  std::string errors;  ///< standard error
-};
+namespace patella::test {
 
 /// A temporary folder with the shipped configuration, models, bus map and DBC, laid out as in the repository.
 class Workshop {
  public:
   Workshop();
-  ~Workshop();
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
 
-  std::filesystem::path file(std::string_view name) const;
-  std::filesystem::path output() const { return root_ / "out"; }
+  std::filesystem::path file(std::string_view name) const { return folder_.path() / name; }
+  std::filesystem::path output() const { return file("out"); }
 
   void write(std::string_view name, std::string_view bytes) const;
   std::string read(std::string_view name) const;
@@ -39,13 +31,11 @@ class Workshop {
   std::size_t line() const noexcept { return line_; }
 
   /// Paths of everything in the folder.
-  std::set<std::string> listing() const;
+  std::set<std::string> listing() const { return test::listing(folder_.path()); }
   Outcome patella(const std::vector<std::string>& arguments) const;
 
  private:
-  std::filesystem::path root_;
-  std::filesystem::path output_;
-  std::filesystem::path errors_;
+  ScratchFolder folder_;
   std::size_t line_ = 0;
 };
 

@@ -21,33 +21,16 @@
 #include "firmware_app/loop/lateness.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/unit/safety/safety_fixture.hpp"
 
 using namespace patella;
 using namespace patella::safety;
+using namespace patella::test;
 
 namespace {
 
-constexpr double kTick_s = 1e-3;
 constexpr int kLongest = 60000;  ///< ticks
 constexpr std::array kShares = {0.02, 0.1, 0.25, 0.5, 0.95, 1.0};
-
-JointVector pair(double first, double second) {
-  JointVector v(2);
-  v << first, second;
-  return v;
-}
-
-SafetyLimits limits() {
-  SafetyLimits limits;
-  for (JointLimits& joint : limits.joint) {
-    joint = {.torque_Nm = 100.0,
-             .torque_rate_Nm_s = 5000.0,
-             .velocity_rad_s = 6.0,
-             .q_min_rad = -3.0,
-             .q_max_rad = 3.0};
-  }
-  return limits;
-}
 
 /// One sample, wrong or not; true once the monitor calls it a fault.
 using Monitor = std::function<bool(bool wrong)>;
@@ -60,7 +43,7 @@ struct Row {
 };
 
 Monitor drive(Fault fault, double reported_Nm) {
-  return [monitor = DriveMonitor(2, {}, limits(), kTick_s), fault, reported_Nm](bool wrong) mutable {
+  return [monitor = DriveMonitor(2, {}, legLimits(), kTick_s), fault, reported_Nm](bool wrong) mutable {
     Measurement report;
     report.has_drive_torque = true;
     report.reportDriveTorque(pair(wrong ? reported_Nm : 0.0, 0.0));
@@ -71,7 +54,7 @@ Monitor drive(Fault fault, double reported_Nm) {
 }
 
 Monitor motion(Fault fault) {
-  return [monitor = MotionMonitor(2, {}, limits(), {true, true}), fault](bool wrong) mutable {
+  return [monitor = MotionMonitor(2, {}, legLimits(), {true, true}), fault](bool wrong) mutable {
     const bool unknown = fault == Fault::kModelMismatch;
     return monitor
         .update(pair(0.0, wrong && unknown ? 101.0 : 0.0), pair(wrong && !unknown ? 0.61 : 0.0, 0.0), kTick_s)
@@ -106,14 +89,14 @@ std::vector<Row> rows() {
       {"`following_error`", "ms", [] { return motion(Fault::kFollowingError); }},
       {"`torque_limit`", "ms",
        [] {
-         return Monitor([limiter = SafetyLimiter(2, limits())](bool wrong) mutable {
+         return Monitor([limiter = SafetyLimiter(2, legLimits())](bool wrong) mutable {
            return limiter.apply(pair(wrong ? 120.0 : 0.0, 0.0), pair(0.0, 0.0), pair(0.0, 0.0), kTick_s)
                .faults.has(Fault::kTorqueLimit);
          });
        }},
       {"`network_fallback`", "ms",
        [] {
-         return Monitor([monitor = NetworkMonitor(2, {}, limits())](bool wrong) mutable {
+         return Monitor([monitor = NetworkMonitor(2, {}, legLimits())](bool wrong) mutable {
            return !monitor.trusted(pair(wrong ? 26.0 : 0.0, 0.0), kTick_s);
          });
        }},
@@ -216,7 +199,7 @@ TEST_CASE("one good report in twenty, or in three, hides nothing that the drives
     CHECK(foundAfter({"", "", [] { return drive(Fault::kDriveNotFollowing, 60.0); }}, share) > 0);
   }
   // "Enabled" against the command in 19 of 20 reports.
-  DriveMonitor monitor(2, {}, limits(), kTick_s);
+  DriveMonitor monitor(2, {}, legLimits(), kTick_s);
   int found = -1;
   for (int k = 0; k < 1000 && found < 0; ++k) {
     Measurement report;

@@ -8,8 +8,8 @@
 #include <sys/mount.h>
 #include <sys/stat.h>
 
+#include "tests/integration/runs/demonstration.hpp"
 #include "tests/integration/runs/loop_process.hpp"
-#include "tests/integration/runs/run_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -20,7 +20,7 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-std::string script(const TemporaryFolder& folder, const std::string& text) {
+std::string script(const ScratchFolder& folder, const std::string& text) {
   const std::filesystem::path path = folder.path() / "faults.toml";
   std::ofstream(path) << text;
   return path.string();
@@ -29,7 +29,7 @@ std::string script(const TemporaryFolder& folder, const std::string& text) {
 }  // namespace
 
 TEST_CASE("a disk that is full ends the recording, with words and status, and not the motion") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::filesystem::path run = folder.path() / "run";
   const std::string faults =
       script(folder, "[[fault]]\nkind = \"disk_full\"\ntime_s = 1.0\nduration_s = 60\n");
@@ -54,7 +54,7 @@ TEST_CASE("a disk that is full ends the recording, with words and status, and no
 
 // A few megabytes more than loop.min_free_MB, below which a run is refused.
 TEST_CASE("a file system without a free block does the same") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::filesystem::path disk = folder.path() / "disk";
   std::filesystem::create_directory(disk);
   if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=56m") != 0) {
@@ -72,7 +72,7 @@ TEST_CASE("a file system without a free block does the same") {
 }
 
 TEST_CASE("memory that runs short while torque flows costs the loop no page and no torque") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::filesystem::path run = folder.path() / "run";
   const std::string faults =
       script(folder, "[[fault]]\nkind = \"memory_pressure\"\ntime_s = 0.5\nduration_s = 20\nsize_MB = 512\n");

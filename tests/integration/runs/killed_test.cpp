@@ -10,15 +10,15 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/integration/runs/demonstration.hpp"
 #include "tests/integration/runs/loop_process.hpp"
-#include "tests/integration/runs/run_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
 
 TEST_CASE("a run killed by SIGKILL leaves a log that replays up to where it was cut") {
   for (int round = 0; round < 3; ++round) {
-    const TemporaryFolder folder;
+    const ScratchFolder folder;
     const std::filesystem::path log = folder.path() / "run" / "frames.log";
     const pid_t child =
         start({"--clock", "virtual", "--duration", "100000", "--out", (folder.path() / "run").string()},

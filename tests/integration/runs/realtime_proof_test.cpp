@@ -6,7 +6,7 @@
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
-#include "tests/integration/runs/run_folder.hpp"
+#include "tests/integration/runs/demonstration.hpp"
 
 using namespace patella;
 
@@ -107,7 +107,7 @@ TEST_CASE("Eigen asks for no heap in the loop") {
 }
 
 TEST_CASE("a run in wall-clock time shows no heap operation and no page fault after warm-up") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   app::RunConfig config = test::demonstration(2.0, "sim", "monotonic");
   config.realtime.priority = 0;  // punctuality is not the subject, and a test must not starve its neighbours
   config.bus.map.encoder_timeout_s = 1.0;

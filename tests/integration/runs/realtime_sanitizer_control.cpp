@@ -1,7 +1,7 @@
 // A loop over a bus that allocates. Under RealtimeSanitizer this must not get through its first tick.
 #include <cstdio>
 
-#include "tests/integration/runs/run_folder.hpp"
+#include "tests/integration/runs/demonstration.hpp"
 
 int main() {
   patella::test::runInLockStep(patella::test::demonstration(0.1), true);

@@ -9,12 +9,12 @@
 
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
-#include "tests/integration/runs/run_folder.hpp"
+#include "tests/integration/runs/demonstration.hpp"
 
 using namespace patella;
 
 TEST_CASE("a run without room for its recording is refused, and one that runs short of it says so") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   app::RecorderOptions options;
   options.folder = folder.path() / "run";
   options.min_free_bytes = std::numeric_limits<std::uint64_t>::max() / 2;
@@ -37,7 +37,7 @@ TEST_CASE("a run without room for its recording is refused, and one that runs sh
 }
 
 TEST_CASE("a recorder that falls behind is told of in its tick") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   app::RecorderOptions options;
   options.folder = folder.path() / "run";
   app::Recorder recorder(options);
@@ -52,7 +52,7 @@ TEST_CASE("a recorder that falls behind is told of in its tick") {
 }
 
 TEST_CASE("files that change during a run are named") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   const std::filesystem::path model = folder.path() / "model.toml";
   std::ofstream(model) << "# as it was\n";
   app::RunConfig config = test::demonstration(1.0);

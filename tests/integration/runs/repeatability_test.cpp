@@ -8,7 +8,7 @@
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
-#include "tests/integration/runs/run_folder.hpp"
+#include "tests/integration/runs/demonstration.hpp"
 
 using namespace patella;
 
@@ -34,7 +34,7 @@ std::string comparable(const std::filesystem::path& file) {
 }  // namespace
 
 TEST_CASE("two equal runs in virtual time leave equal files") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   const app::RunConfig config = test::demonstration(2.0);
   for (const char* name : {"a", "b"}) {
     CHECK(app::runLoop(config, folder.path() / name, kNeverStop) == app::RunStatus::kOk);
@@ -48,7 +48,7 @@ TEST_CASE("two equal runs in virtual time leave equal files") {
 }
 
 TEST_CASE("another seed is another run") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   app::RunConfig config = test::demonstration(0.5);
   CHECK(app::runLoop(config, folder.path() / "a", kNeverStop) == app::RunStatus::kOk);
   config.rig.seed += 1;
@@ -60,7 +60,7 @@ TEST_CASE("another seed is another run") {
 TEST_CASE("a log played back gives the same estimates and commands to the last bit") {
   for (const char* clock : {"virtual", "monotonic"}) {
     CAPTURE(clock);
-    const test::TemporaryFolder folder;
+    const test::ScratchFolder folder;
     app::RunConfig live = test::demonstration(2.0, "sim", clock);
     live.realtime.priority = 0;
     app::runLoop(live, folder.path() / "live", kNeverStop);
@@ -94,7 +94,7 @@ TEST_CASE("a log played back gives the same estimates and commands to the last b
 }
 
 TEST_CASE("a run does not overwrite a recording") {
-  const test::TemporaryFolder folder;
+  const test::ScratchFolder folder;
   const app::RunConfig config = test::demonstration(0.1);
   CHECK(app::runLoop(config, folder.path() / "run", kNeverStop) == app::RunStatus::kOk);
   const std::string before = app::readFile(folder.path() / "run" / "ticks.csv", files::kRecordingText);

@@ -17,7 +17,7 @@
 #include <utmp.h>
 
 #include "tests/integration/runs/loop_process.hpp"
-#include "tests/integration/runs/run_folder.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -61,7 +61,7 @@ struct Terminal {
 
 /// A run in wall time that has torque flowing; what it leaves behind is in `folder`.
 struct Program {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   std::filesystem::path run = folder.path() / "run";
   pid_t process = -1;
 
@@ -156,6 +156,19 @@ void untilUndisturbed(const std::function<bool()>& attempt) {
   FAIL("this host stands still too often for a run of a second");
 }
 
+/// Waits for the end of a run, which has to be one with torque and with all that it recorded. False where the
+/// host did not let it be.
+bool endedWell(const Program& program, bool active) {
+  const int status = program.end();
+  if (status == kStopped) {
+    return false;
+  }
+  CHECK(active);
+  CHECK(status == 0);
+  program.checkComplete();
+  return true;
+}
+
 }  // namespace
 
 TEST_CASE("Ctrl-Z on a terminal ends the run as Ctrl-C does, with all that it recorded") {
@@ -166,14 +179,7 @@ TEST_CASE("Ctrl-Z on a terminal ends the run as Ctrl-C does, with all that it re
       const Program program({"--duration", "60"}, [&terminal] { throughShell(terminal, true); });
       const bool active = program.waitForTorque();
       CHECK(write(terminal.master, &key, 1) == 1);
-      const int status = program.end();
-      if (status == kStopped) {
-        return false;
-      }
-      CHECK(active);
-      CHECK(status == 0);
-      program.checkComplete();
-      return true;
+      return endedWell(program, active);
     });
   }
 }
@@ -187,13 +193,9 @@ TEST_CASE("a run in the background is not stopped by a terminal that stops whoev
     tcsetattr(terminal.slave, TCSANOW, &settings);
     const Program program({"--duration", "1.5"}, [&terminal] { throughShell(terminal, false); });
     const bool active = program.waitForTorque();
-    const int status = program.end();
-    if (status == kStopped) {
+    if (!endedWell(program, active)) {
       return false;
     }
-    CHECK(active);
-    CHECK(status == 0);
-    program.checkComplete();
     std::array<char, 4096> shown{};
     CHECK(read(terminal.master, shown.data(), shown.size()) > 0);
     CHECK(holds(shown.data(), "t = "));
@@ -214,13 +216,9 @@ TEST_CASE(
     std::this_thread::sleep_for(kProgressComes);
     CHECK(waitpid(program.process, nullptr, WNOHANG) == 0);
     kill(program.process, SIGTERM);
-    const int status = program.end();
-    if (status == kStopped) {
+    if (!endedWell(program, active)) {
       return false;
     }
-    CHECK(active);
-    CHECK(status == 0);
-    program.checkComplete();
     CHECK(holds(program.summary(), "\"stops\": 0"));
     return true;
   });
@@ -312,7 +310,7 @@ TEST_CASE("nothing that is opened takes the place of a standard stream that was 
 }
 
 TEST_CASE("a refused run with nobody to tell it keeps its exit status") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const pid_t process = start({"--model", "absent.toml"}, folder.path() / "said", [] {
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) {

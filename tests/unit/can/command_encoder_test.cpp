@@ -66,6 +66,21 @@ TEST_CASE("a torque that is no number takes all torque and the enable away") {
   }
 }
 
+TEST_CASE("a command is known by its identifier, whoever sent it, and an error or a request is none") {
+  CommandEncoder encoder(test::rigDatabase(), test::commandMap(), 2);
+  const Frame frame = encoder.encode(makeCommand(1.0, 1.0, true));
+  CHECK(encoder.commands(frame));
+  const auto differs = [&](auto change) {
+    Frame other = frame;
+    change(other);
+    return !encoder.commands(other);
+  };
+  CHECK(differs([](Frame& f) { f.id += 1; }));
+  CHECK(differs([](Frame& f) { f.extended = !f.extended; }));
+  CHECK(differs([](Frame& f) { f.error = true; }));
+  CHECK(differs([](Frame& f) { f.remote = true; }));
+}
+
 TEST_CASE("outputs that cannot be bound are named") {
   const Database database = test::rigDatabase();
   CommandMap map = test::commandMap();

@@ -194,3 +194,26 @@ TEST_CASE(
   }
   CHECK(errorOf(cascade + selected).find("more than 8 multiplexors select signal 'S9'") != std::string::npos);
 }
+
+TEST_CASE(
+    "two multiplexors with thousands of ranges, and hundreds of signals below each, are compared at once") {
+  std::string signals = "BO_ 1 M: 8 N\n SG_ Root M : 0|16@1+ (1,0) [0|0] \"\" N\n";
+  std::string ranges;
+  for (const int parity : {0, 1}) {
+    const std::string name = parity == 0 ? "Even" : "Odd";
+    signals += " SG_ " + name + " m0M : 16|16@1+ (1,0) [0|0] \"\" N\n";
+    ranges += "SG_MUL_VAL_ 1 " + name + " Root";
+    for (int value = parity; value < 18'000; value += 2)
+      ranges += (value < 2 ? " " : ", ") + std::to_string(value) + "-" + std::to_string(value);
+    ranges += ";\n";
+    for (int i = 0; i < 400; ++i) {
+      const std::string below = name + std::to_string(i);
+      signals += " SG_ " + below + " m0 : 32|8@1+ (1,0) [0|0] \"\" N\n";
+      ranges +=
+          "SG_MUL_VAL_ 1 " + below + " " + name + " " + std::to_string(i) + "-" + std::to_string(i) + ";\n";
+    }
+  }
+  const auto start = std::chrono::steady_clock::now();
+  CHECK(parseDbc(signals + ranges, "x.dbc").messages.front().signals.size() == 803);
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));  // sanitizers take ten times
+}

@@ -22,15 +22,15 @@
 #include "firmware_app/files/wording.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/unit/configuration/bound_carriers.hpp"
-#include "tests/unit/weights/temporary_folder.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
 
 namespace {
 
-/// The table that holds the last key of `path`, such as "reference.joint.offset_rad"; of tables in an array,
-/// the first that does. Null where there is none.
+/// The table that holds the last key of `path`, such as "reference.joint.offset_rad"; the first one that does
+/// where tables stand in an array. Null where there is none.
 toml::table* holderOf(toml::node& at, std::string_view path) {
   if (toml::array* array = at.as_array()) {
     for (toml::node& element : *array) {
@@ -49,7 +49,7 @@ toml::table* holderOf(toml::node& at, std::string_view path) {
   return holderOf(*next, path.substr(dot + 1));
 }
 
-/// A number in its place, of an array the first.
+/// Puts a number in its place, the first one in an array.
 template <typename Number>
 void assign(toml::table& table, std::string_view key, Number value) {
   if (toml::array* array = table.get_as<toml::array>(key)) {
@@ -99,10 +99,10 @@ Found fileWith(const Bound& bound, double value) {
 }
 
 std::string outcome(const Bound& bound, double value) {
-  static const app::TemporaryFolder folder;
+  static const ScratchFolder folder;
   const Found file = fileWith(bound, value);
   try {
-    load(file.kind, file.text, folder.file(""));
+    load(file.kind, file.text, folder.path());
     return "accepted";
   } catch (const std::exception& error) {
     return error.what();
@@ -150,10 +150,10 @@ const std::map<std::string_view, std::pair<double, std::string>> kRelated = {
 }  // namespace
 
 TEST_CASE("the files that carry the numbers are sound, so that every refusal below is owed to one number") {
-  const app::TemporaryFolder folder;
+  const ScratchFolder folder;
   for (const Carrier& carrier : carriers()) {
     CAPTURE(carrier.text);
-    CHECK_NOTHROW(load(carrier.kind, carrier.text, folder.file("")));
+    CHECK_NOTHROW(load(carrier.kind, carrier.text, folder.path()));
   }
 }
 
@@ -258,7 +258,7 @@ TEST_CASE("every parameter of every effect is refused outside of its range, and 
 }
 
 TEST_CASE("a rehearsal may wait longer, and not for ever") {
-  const app::TemporaryFolder folder;
+  const ScratchFolder folder;
   int rows = 0;
   for (const BoundGroup& group : kBoundGroups) {
     for (const Bound& bound : group.rows) {
@@ -276,7 +276,7 @@ TEST_CASE("a rehearsal may wait longer, and not for ever") {
         REQUIRE(file.kind == FileKind::kRun);
         const std::string off = "rehearsal = false";
         file.text.replace(file.text.find(off), off.size(), "rehearsal = true");
-        load(file.kind, file.text, folder.file(""));
+        load(file.kind, file.text, folder.path());
       };
       CHECK_NOTHROW(rehearse(bound.rehearsal_maximum));
       CHECK_THROWS_AS(rehearse(beyond(bound, bound.rehearsal_maximum, 1.0)), app::FileError);

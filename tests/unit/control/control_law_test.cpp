@@ -9,20 +9,16 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/joint_pair.hpp"
 
 using patella::JointMatrix;
 using patella::JointVector;
 using namespace patella::control;
+using patella::test::pair;
 
 namespace {
 
 constexpr double kDt_s = 1e-3;
-
-JointVector vec(double first, double second) {
-  JointVector v(2);
-  v << first, second;
-  return v;
-}
 
 /// Two-link leg of an adult in the vertical plane, written out here so that the law is not tested against the
 /// model code it will run with.
@@ -31,9 +27,9 @@ struct Leg {
   static constexpr double kB = 4.0 * 0.04 + 0.06;
   static constexpr double kC = 4.0 * 0.4 * 0.2;
 
-  JointVector q = vec(-1.0, -0.5);
-  JointVector dq = vec(0.0, 0.0);
-  JointVector disturbance_Nm = vec(0.0, 0.0);
+  JointVector q = pair(-1.0, -0.5);
+  JointVector dq = pair(0.0, 0.0);
+  JointVector disturbance_Nm = pair(0.0, 0.0);
 
   JointMatrix inertia() const {
     const double c2 = std::cos(q[1]);
@@ -44,15 +40,15 @@ struct Leg {
   JointVector gravity() const {
     constexpr double kG = 9.81;
     const double shank = 4.0 * 0.2 * std::cos(q[0] + q[1]);
-    return vec(kG * ((8.0 * 0.2 + 4.0 * 0.4) * std::cos(q[0]) + shank), kG * shank);
+    return pair(kG * ((8.0 * 0.2 + 4.0 * 0.4) * std::cos(q[0]) + shank), kG * shank);
   }
   patella::model::ModelTerms terms() const {
     const double s2 = kC * std::sin(q[1]);
-    const JointVector coriolis = vec(-s2 * (2.0 * dq[0] * dq[1] + dq[1] * dq[1]), s2 * dq[0] * dq[0]);
+    const JointVector coriolis = pair(-s2 * (2.0 * dq[0] * dq[1] + dq[1] * dq[1]), s2 * dq[0] * dq[0]);
     const JointMatrix m = inertia();
     const JointMatrix inverse = m.inverse();
     const JointVector bias = coriolis + gravity();
-    return {m, inverse, bias, vec(0.0, 0.0), JointVector(-(inverse * bias))};
+    return {m, inverse, bias, pair(0.0, 0.0), JointVector(-(inverse * bias))};
   }
   JointVector unknownDynamics() const { return inertia().inverse() * disturbance_Nm; }
 
@@ -67,15 +63,15 @@ struct Leg {
 };
 
 ControlGains gains() {
-  return {.stiffness_Nm_rad = vec(0.0, 0.0), .damping_Nms_rad = vec(0.0, 0.0)};
+  return {.stiffness_Nm_rad = pair(0.0, 0.0), .damping_Nms_rad = pair(0.0, 0.0)};
 }
 
 ReferencePoint at(const JointVector& q) {
-  return {q, vec(0.0, 0.0), vec(0.0, 0.0)};
+  return {q, pair(0.0, 0.0), pair(0.0, 0.0)};
 }
 
 ControlOutput compute(const ControlLaw& law, const Leg& leg, const ReferencePoint& reference,
-                      const JointVector& emg_torque = vec(0.0, 0.0)) {
+                      const JointVector& emg_torque = pair(0.0, 0.0)) {
   const auto terms = leg.terms();
   const JointVector gravity = leg.gravity();
   const JointVector f_hat = leg.unknownDynamics();
@@ -115,9 +111,9 @@ TEST_CASE("impedance with gravity compensation converges to the reference") {
   Leg leg;
   ControlGains with = gains();
   with.gravity = 1.0;
-  with.stiffness_Nm_rad = vec(120.0, 60.0);
-  with.damping_Nms_rad = vec(25.0, 8.0);
-  const JointVector goal = vec(-0.6, -1.0);
+  with.stiffness_Nm_rad = pair(120.0, 60.0);
+  with.damping_Nms_rad = pair(25.0, 8.0);
+  const JointVector goal = pair(-0.6, -1.0);
   CHECK(finalError(
             with, leg, [&](double) { return at(goal); }, 6.0) < 1e-4);
   CHECK(leg.dq.norm() < 1e-3);
@@ -125,12 +121,12 @@ TEST_CASE("impedance with gravity compensation converges to the reference") {
 
 TEST_CASE("stiffness is the torque per displacement that the patient feels") {
   Leg leg;
-  leg.disturbance_Nm = vec(6.0, -3.0);
+  leg.disturbance_Nm = pair(6.0, -3.0);
   const JointVector goal = leg.q;
   ControlGains with = gains();
   with.gravity = 1.0;
-  with.stiffness_Nm_rad = vec(120.0, 60.0);
-  with.damping_Nms_rad = vec(25.0, 8.0);
+  with.stiffness_Nm_rad = pair(120.0, 60.0);
+  with.damping_Nms_rad = pair(25.0, 8.0);
   finalError(
       with, leg, [&](double) { return at(goal); }, 8.0);
   CHECK(leg.q[0] - goal[0] == doctest::Approx(6.0 / 120.0).epsilon(1e-3));
@@ -140,12 +136,12 @@ TEST_CASE("stiffness is the torque per displacement that the patient feels") {
 TEST_CASE("compensation cancels a constant disturbance") {
   ControlGains with = gains();
   with.gravity = 1.0;
-  with.stiffness_Nm_rad = vec(120.0, 60.0);
-  with.damping_Nms_rad = vec(25.0, 8.0);
+  with.stiffness_Nm_rad = pair(120.0, 60.0);
+  with.damping_Nms_rad = pair(25.0, 8.0);
   Leg without_compensation;
-  without_compensation.disturbance_Nm = vec(6.0, -3.0);
+  without_compensation.disturbance_Nm = pair(6.0, -3.0);
   Leg with_compensation = without_compensation;
-  const JointVector goal = vec(-0.8, -0.7);
+  const JointVector goal = pair(-0.8, -0.7);
   const Reference stay = [&](double) { return at(goal); };
   CHECK(finalError(with, without_compensation, stay, 6.0) > 0.04);
   with.compensation = 1.0;
@@ -162,8 +158,8 @@ TEST_CASE("the model's feed-forward follows a moving reference that feedback alo
   const Reference moving = [&](double t_s) { return trajectory.at(t_s); };
   ControlGains with = gains();
   with.gravity = 1.0;
-  with.stiffness_Nm_rad = vec(60.0, 30.0);
-  with.damping_Nms_rad = vec(12.0, 4.0);
+  with.stiffness_Nm_rad = pair(60.0, 30.0);
+  with.damping_Nms_rad = pair(12.0, 4.0);
   const double lag = finalError(with, feedback_only, moving, 5.0);
   with.model = 1.0;
   const double residual = finalError(with, with_model, moving, 5.0);
@@ -173,12 +169,12 @@ TEST_CASE("the model's feed-forward follows a moving reference that feedback alo
 
 TEST_CASE("gravity and model together are the inverse dynamics: nothing counts twice") {
   Leg leg;
-  leg.dq = vec(0.7, -1.3);
+  leg.dq = pair(0.7, -1.3);
   ControlGains with = gains();
   with.gravity = 1.0;
   with.model = 1.0;
   ReferencePoint reference = at(leg.q);
-  reference.ddq = vec(2.0, -5.0);
+  reference.ddq = pair(2.0, -5.0);
   const ControlOutput out = compute(ControlLaw(2, with), leg, reference);
   const auto terms = leg.terms();
   const JointVector expected = terms.inertia * reference.ddq + terms.bias_Nm;
@@ -188,14 +184,14 @@ TEST_CASE("gravity and model together are the inverse dynamics: nothing counts t
 
 TEST_CASE("what the drive itself adds is not balanced: it would come back to it") {
   Leg leg;
-  leg.dq = vec(0.7, -1.3);
+  leg.dq = pair(0.7, -1.3);
   ControlGains with = gains();
   with.model = 1.0;
   const ReferencePoint reference = at(leg.q);
-  const JointVector none = vec(0.0, 0.0);
+  const JointVector none = pair(0.0, 0.0);
   auto lagging = leg.terms();
   const auto plain = leg.terms();
-  lagging.drive_Nm = vec(5.0, -3.0);
+  lagging.drive_Nm = pair(5.0, -3.0);
   lagging.bias_Nm -= lagging.drive_Nm;
   const auto model = [&](const patella::model::ModelTerms& terms) {
     return ControlLaw(2, with).compute({terms, leg.gravity(), reference, leg.q, leg.dq, none, none}).model;
@@ -205,19 +201,19 @@ TEST_CASE("what the drive itself adds is not balanced: it would come back to it"
 
 TEST_CASE("terms add up to the total and EMG acts with its gain, against the patient where negative") {
   Leg leg;
-  leg.dq = vec(0.4, 0.2);
-  leg.disturbance_Nm = vec(1.0, 2.0);
+  leg.dq = pair(0.4, 0.2);
+  leg.disturbance_Nm = pair(1.0, 2.0);
   ControlGains with = gains();
   with.gravity = 0.8;
   with.model = 0.6;
   with.emg = -1.5;
   with.compensation = 0.5;
-  with.stiffness_Nm_rad = vec(10.0, 20.0);
-  with.damping_Nms_rad = vec(1.0, 2.0);
-  const ControlOutput out = compute(ControlLaw(2, with), leg, at(vec(0.0, 0.0)), vec(4.0, -2.0));
-  CHECK(out.emg == vec(-6.0, 3.0));
-  CHECK((out.compensation - vec(-0.5, -1.0)).norm() < 1e-12);
-  CHECK((out.impedance - vec(10.0 * 1.0 - 0.4, 20.0 * 0.5 - 0.4)).norm() < 1e-12);
+  with.stiffness_Nm_rad = pair(10.0, 20.0);
+  with.damping_Nms_rad = pair(1.0, 2.0);
+  const ControlOutput out = compute(ControlLaw(2, with), leg, at(pair(0.0, 0.0)), pair(4.0, -2.0));
+  CHECK(out.emg == pair(-6.0, 3.0));
+  CHECK((out.compensation - pair(-0.5, -1.0)).norm() < 1e-12);
+  CHECK((out.impedance - pair(10.0 * 1.0 - 0.4, 20.0 * 0.5 - 0.4)).norm() < 1e-12);
   const JointVector sum = out.gravity + out.model + out.emg + out.impedance + out.compensation;
   CHECK((out.total - sum).norm() < 1e-12);
 }
@@ -226,10 +222,10 @@ TEST_CASE("zero gains give zero torque whatever the inputs hold; a broken input 
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Leg leg;
   const auto terms = leg.terms();
-  const JointVector broken = vec(kNan, kNan);
+  const JointVector broken = pair(kNan, kNan);
   const ReferencePoint reference{broken, broken, broken};
   const ControlInput input{terms, broken, reference, broken, broken, broken, broken};
-  CHECK(ControlLaw(2, gains()).compute(input).total == vec(0.0, 0.0));
+  CHECK(ControlLaw(2, gains()).compute(input).total == pair(0.0, 0.0));
   ControlGains with = gains();
   with.compensation = 1.0;
   CHECK(std::isnan(ControlLaw(2, with).compute(input).total[0]));
@@ -241,7 +237,7 @@ TEST_CASE("the law allocates nothing") {
   const ControlLaw law(2, with);
   const Leg leg;
   const auto terms = leg.terms();
-  const JointVector v = vec(1.0, 2.0);
+  const JointVector v = pair(1.0, 2.0);
   const ReferencePoint reference{v, v, v};
   const auto before = patella::test::allocationCount();
   const ControlOutput out = law.compute({terms, v, reference, v, v, v, v});

@@ -4,20 +4,10 @@
 #include <doctest/doctest.h>
 
 #include "made_up_diagnosis.hpp"
+#include "tests/support/count_of.hpp"
 
 using namespace patella;
-
-namespace {
-
-std::size_t countOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
-}
-
-}  // namespace
+using patella::test::countOf;
 
 TEST_CASE("a page says it all and needs nothing beside it") {
   const std::string page = diagnose::diagnosisPage(test::madeUpDiagnosis());

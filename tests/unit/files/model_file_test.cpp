@@ -8,12 +8,14 @@
 
 #include "core/model/presets.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/joint_pair.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::app;
 using patella::test::messageOf;
+using patella::test::pair;
 using patella::test::ScratchFolder;
 
 namespace {
@@ -34,12 +36,6 @@ std::string errorOfEffect(const std::string& lines) {
   return errorOf(kLeg + std::string("[[effect]]\n") + lines);
 }
 
-JointVector vector2(double first, double second) {
-  JointVector v(2);
-  v << first, second;
-  return v;
-}
-
 }  // namespace
 
 TEST_CASE("a model of a file moves as the same model made by hand") {
@@ -55,12 +51,12 @@ coefficient_Nms_rad = 0.3
   const model::PlanarTwoLink leg(
       {.mass_kg = {2, 0.85}, .length_m = {0.2, 0.25}, .com_m = {0.1, 0.125}, .inertia_kg_m2 = {0.02, 0.01}});
   model::EffectInput input;
-  input.q = vector2(-1.2, 0.4);
-  input.dq = vector2(0.5, -2.0);
-  input.torque_Nm = vector2(0.0, 0.0);
-  const JointVector ddq = vector2(1.0, -3.0);
+  input.q = pair(-1.2, 0.4);
+  input.dq = pair(0.5, -2.0);
+  input.torque_Nm = pair(0.0, 0.0);
+  const JointVector ddq = pair(1.0, -3.0);
   const JointVector expected = leg.inertia(input.q) * ddq + leg.coriolis(input.q, input.dq) * input.dq +
-                               leg.gravity(input.q) + vector2(0.0, 0.3 * -2.0);
+                               leg.gravity(input.q) + pair(0.0, 0.3 * -2.0);
   CHECK((dynamics.inverseDynamics(input, ddq) - expected).norm() < 1e-12);
 }
 

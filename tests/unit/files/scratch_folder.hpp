@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -33,6 +34,15 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// Paths of everything below a folder, from it.
+inline std::set<std::string> listing(const std::filesystem::path& folder) {
+  std::set<std::string> paths;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    paths.insert(std::filesystem::relative(entry.path(), folder).string());
+  }
+  return paths;
+}
 
 /// Message of the exception that `action` throws, or a note that it threw none.
 template <typename Exception, typename Action>

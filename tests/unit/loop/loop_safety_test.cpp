@@ -197,7 +197,9 @@ TEST_CASE("a stall before the enable line rises keeps it down, and torque needs 
   SimulatedRun run;
   int tick = 0;
   int enabled_at = -1;
+  int rises = 0;
   run.script = [&](int number) { tick = number; };
+  run.loop_pins.before_rise = [&] { ++rises; };
   run.probe.at_stage = [&](tick::Stage stage) {
     const bool first_enable = stage == tick::Stage::kLinesOut && enabled_at < 0 && run.command(tick).enable;
     if (first_enable) {
@@ -207,6 +209,7 @@ TEST_CASE("a stall before the enable line rises keeps it down, and torque needs 
   };
   const LoopStatistics& statistics = run.run(600);
   REQUIRE(enabled_at > 0);
+  CHECK(rises == 0);
   for (int t = enabled_at; t < 599; ++t) {
     CHECK_FALSE(run.driveEnable(t));
   }
@@ -314,6 +317,7 @@ TEST_CASE("a command of another sender on the bus stops torque in the tick that 
     checkNoTorque(run, tick);
   }
   CHECK(statistics.latched == safety::FaultSet{Fault::kForeignCommand});
+  CHECK(statistics.fault_ticks[static_cast<std::size_t>(Fault::kForeignCommand)] == 1);
 }
 
 TEST_CASE("the loop's own command that comes back to it is none of another sender") {

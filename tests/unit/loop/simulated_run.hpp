@@ -145,6 +145,7 @@ class SimulatedRun {
   /// The line as tick `tick` left it.
   bool driveEnable(int tick) const { return drive_enable_.at(static_cast<std::size_t>(tick) + 1); }
   LoopOptions& options() { return config_.loop; }
+  can::CommandEncoder& encoder() { return encoder_; }
   const sim::Rig& rig() const { return *rig_; }
 
  private:

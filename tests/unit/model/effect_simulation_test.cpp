@@ -114,8 +114,8 @@ TEST_CASE("a loop whose model has the effect finds next to nothing unknown in a 
         }
         const Residual residual = residualOf(*descriptor, name, joint);
         // Over a step the sampler averages what the model says at its ends, the drive's own torque included.
-        // Of a torque that rings at 25 Hz behind a soft spring that leaves 8 %; of blows shorter than a step,
-        // more.
+        // That leaves 8 % of a torque that rings at 25 Hz behind a soft spring, and more of blows that are
+        // shorter than a step.
         const double share = descriptor->kind == "backlash"                  ? 0.4
                              : descriptor->kind == "transmission_elasticity" ? 0.12
                                                                              : 0.03;

@@ -86,7 +86,7 @@ Vector context(const NetworkWeights& weights, const std::vector<Vector>& signal,
   return result;
 }
 
-/// Of the steps so far; the first stands in for those before it.
+/// Sum of the linear path over the steps so far; the first stands in for those before it.
 double linearPath(const NetworkWeights& weights, const std::vector<Vector>& inputs, Eigen::Index output) {
   double sum = 0.0;
   Eigen::Index column = 0;
@@ -107,7 +107,7 @@ double trustIn(const NetworkWeights& weights, const Vector& linear) {
   return trust;
 }
 
-/// Of the newest step, when what was lost at a step comes back over as many as the longest lag has.
+/// Trust in the newest step. What was lost at a step comes back over as many steps as the longest lag has.
 double recovering(const NetworkWeights& weights, const Vector& trusts) {
   double trust = 1.0;
   for (std::size_t age = 0; age < trusts.size() && !weights.linear_lags.empty(); ++age)

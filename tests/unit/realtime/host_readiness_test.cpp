@@ -201,6 +201,15 @@ TEST_CASE("the kernel tells an interface's state") {
   CHECK_FALSE(queryCanInterface("nosuchcan0").has_value());
 }
 
+TEST_CASE("an interface that a motor may hear, or that does not exist, is none to rehearse on") {
+  CHECK_THROWS_WITH_AS(
+      requireVirtual("lo"),
+      "loop.rehearsal = true on CAN interface lo, expected a virtual one (vcan): a rehearsal "
+      "moves no motor",
+      std::invalid_argument);
+  CHECK_THROWS_AS(requireVirtual("nosuchcan0"), std::invalid_argument);
+}
+
 TEST_CASE("processor lists") {
   CHECK(parseCpuList("0,2-4,7") == std::vector<int>{0, 2, 3, 4, 7});
   CHECK(parseCpuList("5") == std::vector<int>{5});
@@ -220,6 +229,7 @@ TEST_CASE("a virtual CAN interface is recognised" *
   CHECK(interface->can);
   CHECK(interface->up);
   CHECK(interface->kind == "vcan");
+  CHECK_NOTHROW(requireVirtual(name));
   CHECK(interface->fd);
   CHECK(interface->bitrate == 0);
   HostNeeds needs;

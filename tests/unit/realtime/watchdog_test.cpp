@@ -83,6 +83,8 @@ TEST_CASE("a loop that stands still loses the enable line, once, and learns of i
   CHECK(comes([&] { return watchdog.trips() == 1; }));
   CHECK(watchdog.takeTrip());
   CHECK_FALSE(watchdog.takeTrip());
+  pins.setDriveEnable(true);  // by a loop that stood still just before it did so
+  CHECK(comes([&] { return !pins.driveEnable(); }));
   const std::uint64_t edges = pins.watchdogEdges();
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   CHECK(watchdog.trips() == 1);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/count_of.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
@@ -13,6 +14,7 @@
 
 using namespace patella;
 using namespace patella::report;
+using patella::test::countOf;
 
 namespace {
 
@@ -20,14 +22,6 @@ std::vector<Figure> someFigures() {
   return makePanels(
       app::CsvTable::parse("t_s,q1_rad,state,wakeup_us\n0,1,1,5\n1,2,2,6\n2,3,2,9\n", "ticks.csv"),
       nlohmann::json::object());
-}
-
-std::size_t countOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
 }
 
 }  // namespace

@@ -7,23 +7,17 @@
 
 #include "core/safety/safety_limiter.hpp"
 #include "core/safety/state_machine.hpp"
+#include "tests/unit/safety/safety_fixture.hpp"
 
 using patella::JointVector;
 using namespace patella::safety;
+using patella::test::narrowLimits;
 
 namespace {
 
 constexpr int kSteps = 100000;
 constexpr int kHealthyTicks = 20;
 constexpr double kDt_s = 1e-3;
-
-SafetyLimits limits() {
-  SafetyLimits l;
-  l.joint[0] = {40.0, 500.0, 4.0, -1.8, 0.4, 0.1};
-  l.joint[1] = {20.0, 400.0, 5.0, -1.5, 0.05, 0.1};
-  l.saturation_timeout_s = 0.05;
-  return l;
-}
 
 class Session {
  public:
@@ -88,7 +82,7 @@ bool latched(State state) {
 
 TEST_CASE("a hundred thousand random ticks") {
   Session session;
-  SafetyLimiter limiter(2, limits());
+  SafetyLimiter limiter(2, narrowLimits());
   StateMachine machine(kHealthyTicks);
   StateOutput before;
   JointVector last = JointVector::Zero(2);
@@ -120,7 +114,7 @@ TEST_CASE("a hundred thousand random ticks") {
       REQUIRE(command == JointVector::Zero(2));
     }
     for (int j = 0; j < 2; ++j) {
-      const JointLimits of_joint = limits().joint[static_cast<std::size_t>(j)];
+      const JointLimits of_joint = narrowLimits().joint[static_cast<std::size_t>(j)];
       REQUIRE(std::abs(command[j]) <= of_joint.torque_Nm);
       const bool towards_zero = command[j] * last[j] >= 0.0 && std::abs(command[j]) <= std::abs(last[j]);
       const double change = std::abs(command[j] - last[j]);

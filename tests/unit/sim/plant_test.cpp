@@ -13,9 +13,11 @@
 #include "core/model/planar_two_link.hpp"
 #include "core/model/presets.hpp"
 #include "sim/emg_generator.hpp"
+#include "tests/support/joint_pair.hpp"
 
 using namespace patella;
 using namespace patella::sim;
+using patella::test::pair;
 
 namespace {
 
@@ -23,28 +25,22 @@ model::DynamicsModel undamped() {
   return {std::make_unique<model::PlanarTwoLink>(model::paperLeg().parameters), {}};
 }
 
-JointVector vector(double first, double second) {
-  JointVector v(2);
-  v << first, second;
-  return v;
-}
-
 PlantState hanging() {
-  return {vector(-std::numbers::pi / 2.0, 0.0), vector(0.0, 0.0)};
+  return {pair(-std::numbers::pi / 2.0, 0.0), pair(0.0, 0.0)};
 }
 
 const JointVector kNoTorque = JointVector::Zero(2);
 
 PlantState swingFor(double duration_s, double step_s) {
-  Plant plant(undamped(), undamped(), {}, 1, {vector(-0.3, 0.9), vector(1.0, -2.0)}, step_s);
-  plant.advance(vector(0.4, -0.2), {}, duration_s);
+  Plant plant(undamped(), undamped(), {}, 1, {pair(-0.3, 0.9), pair(1.0, -2.0)}, step_s);
+  plant.advance(pair(0.4, -0.2), {}, duration_s);
   return plant.state();
 }
 
 }  // namespace
 
 TEST_CASE("the undamped leg keeps its energy through a large swing") {
-  Plant plant(undamped(), undamped(), {}, 1, {vector(0.5, 1.2), vector(0.0, 0.0)});
+  Plant plant(undamped(), undamped(), {}, 1, {pair(0.5, 1.2), pair(0.0, 0.0)});
   const double initial_J = plant.energy();
   double kinetic_range_J = 0.0;
   for (int i = 0; i < 10'000; ++i) {
@@ -69,17 +65,17 @@ TEST_CASE("a hanging leg stays at rest, a lifted one falls") {
   CHECK((plant.state().q - hanging().q).norm() < 1e-9);
   CHECK(plant.state().dq.norm() < 1e-9);
 
-  Plant lifted(undamped(), undamped(), {}, 1, {vector(0.0, 0.0), vector(0.0, 0.0)});
+  Plant lifted(undamped(), undamped(), {}, 1, {pair(0.0, 0.0), pair(0.0, 0.0)});
   lifted.advance(kNoTorque, {}, 0.05);
   CHECK(lifted.state().dq(0) < -0.1);
 }
 
 TEST_CASE("nothing is unknown when the loop has the truth and nobody pushes") {
   Plant plant(model::makeModel(model::paperLeg()), model::makeModel(model::paperLeg()), {}, 1,
-              {vector(-1.0, 0.4), vector(2.0, -1.0)});
+              {pair(-1.0, 0.4), pair(2.0, -1.0)});
   CHECK(plant.unknownDynamics().norm() < 1e-12);
   for (int i = 0; i < 500; ++i) {
-    plant.advance(vector(0.5, 0.2), {}, 1e-3);
+    plant.advance(pair(0.5, 0.2), {}, 1e-3);
     REQUIRE(plant.takeMeanUnknownDynamics().norm() < 1e-5);
   }
 }
@@ -88,11 +84,11 @@ TEST_CASE("the unknown dynamics is the interaction, in either form") {
   for (const InteractionForm form : {InteractionForm::kAsPrinted, InteractionForm::kCorrected}) {
     const InteractionOptions interaction{.kind = InteractionKind::kExperiment1, .form = form};
     Plant plant(model::makeModel(model::physicalLeg()), model::makeModel(model::physicalLeg()), interaction,
-                1, {vector(-1.2, 0.5), vector(0.3, -0.2)});
-    plant.advance(vector(1.0, 0.3), {}, 0.2);
+                1, {pair(-1.2, 0.5), pair(0.3, -0.2)});
+    plant.advance(pair(1.0, 0.3), {}, 0.2);
     plant.takeMeanUnknownDynamics();
     const JointVector before = plant.unknownDynamics();
-    plant.advance(vector(1.0, 0.3), {}, 1e-3);
+    plant.advance(pair(1.0, 0.3), {}, 1e-3);
     const JointVector after = plant.unknownDynamics();
 
     const model::PlanarTwoLink leg(model::physicalLeg().parameters);
@@ -114,7 +110,7 @@ TEST_CASE("a hidden friction shows as unknown dynamics, opposed to the motion") 
   std::vector<std::unique_ptr<model::Effect>> effects;
   effects.push_back(model::makeEffect("viscous_friction", 1, *mechanism, std::array{0.3}));
   Plant plant(model::DynamicsModel(std::move(mechanism), std::move(effects)), undamped(), {}, 1,
-              {vector(-1.2, 0.5), vector(0.0, 1.5)});
+              {pair(-1.2, 0.5), pair(0.0, 1.5)});
   const model::PlanarTwoLink leg(model::paperLeg().parameters);
   const JointVector torque = leg.inertia(plant.state().q) * plant.unknownDynamics();
   CHECK(torque(0) == doctest::Approx(0.0));

@@ -11,16 +11,13 @@
 #include "core/model/presets.hpp"
 #include "core/tick/tick.hpp"
 #include "sim/plant.hpp"
+#include "tests/support/joint_pair.hpp"
 
 namespace patella::tick {
 
 inline constexpr double kPeriod_s = 1e-3;
 
-inline JointVector pair(double first, double second) {
-  JointVector vector(2);
-  vector << first, second;
-  return vector;
-}
+using test::pair;
 
 inline model::DynamicsModel paperModel() {
   return model::makeModel(model::paperLeg());

@@ -12,7 +12,7 @@ using safety::State;
 
 namespace {
 
-/// Of a network that says the same whatever it sees.
+/// Weights of a network that says the same whatever it sees.
 network::NetworkWeights constantWeights(const JointVector& value, const std::vector<std::string>& features) {
   network::NetworkWeights weights;
   weights.lstm.resize(1);

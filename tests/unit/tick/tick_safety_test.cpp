@@ -124,6 +124,36 @@ TEST_CASE("a measurement that is no number stops the loop in its tick, and a res
   }
 }
 
+TEST_CASE("what a monitor finds takes torque away as any other fault does") {
+  TickSettings settings = holdingSettings();
+  Fault expected = Fault::kDriveOverTorque;
+  void (*wrong)(Measurement&) = nullptr;
+  sim::InteractionOptions patient;
+  SUBCASE("of the drives") {
+    wrong = [](Measurement& m) { m.reportDriveTorque(pair(100.0, 0.0)); };
+  }
+  SUBCASE("of the encoders") {
+    expected = Fault::kEncoderInconsistent;
+    wrong = [](Measurement& m) { m.position_rad[1] += 0.1; };
+  }
+  SUBCASE("of the motion") {
+    expected = Fault::kModelMismatch;
+    patient.kind = sim::InteractionKind::kExperiment2;
+    settings.monitors.motion.unknown_torque_Nm = {0.05, 0.05};
+  }
+  SimulatedLeg leg(settings, patient);
+  leg.activate();
+  REQUIRE(holdsTheLeg(leg.run(20)));
+  leg.corrupt = wrong;
+  const TickOutput* output = &leg.step();
+  for (int i = 0; i < 200 && output->state == State::kActive; ++i) {
+    output = &leg.step();
+  }
+  CHECK(output->first_cause == expected);
+  CHECK(output->state == State::kFault);
+  CHECK(noTorque(*output));
+}
+
 TEST_CASE("inputs that are not complete keep the loop from becoming ready") {
   SimulatedLeg leg(holdingSettings());
   leg.input.complete = false;

@@ -8,10 +8,12 @@
 
 #include "core/network/attention_lstm.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
-#include "temporary_folder.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
 #include "tests/unit/network/random_network.hpp"
 
 namespace patella::app {
+
+using test::ScratchFolder;
 
 namespace {
 
@@ -30,8 +32,8 @@ network::NetworkWeights sample(int layers, std::vector<int> lags = {}) {
 
 /// What the loader says of a sound file after `spoil`; its path is replaced by "file".
 std::string refusal(const std::function<void(Safetensors&)>& spoil, const std::vector<int>& lags = {}) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   saveNetworkWeights(path, sample(1, lags));
   Safetensors content = readSafetensors(path);
   spoil(content);
@@ -55,8 +57,8 @@ std::string refusalOfMetadata(const std::string& key, const std::string& value) 
 TEST_CASE("a network comes back from its file bit for bit") {
   for (const std::vector<int>& lags : {std::vector<int>{}, std::vector<int>{0}, std::vector{0, 2, 31}}) {
     const int layers = lags.empty() ? 1 : 2;
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.file("net.safetensors");
+    const ScratchFolder folder;
+    const std::filesystem::path path = folder / "net.safetensors";
     const network::NetworkWeights saved = sample(layers, lags);
     saveNetworkWeights(path, saved);
     const network::NetworkWeights loaded = loadNetworkWeights(path);
@@ -83,8 +85,8 @@ TEST_CASE("a network comes back from its file bit for bit") {
 }
 
 TEST_CASE("the tensors have PyTorch's names and shapes") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   saveNetworkWeights(path, sample(2));
   std::map<std::string, std::string> shapes;
   for (const auto& [name, tensor] : readSafetensors(path).tensors)
@@ -199,14 +201,13 @@ TEST_CASE("a linear path needs its tensor and its lags") {
 }
 
 TEST_CASE("weights that the loader would refuse are not saved") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   network::NetworkWeights weights = sample(1);
   weights.output_bias.setZero(1);
-  CHECK_THROWS_WITH_AS(
-      saveNetworkWeights(folder.file("f"), weights),
-      (folder.file("f").string() + ": tensor 'output.bias': shape [1], expected [2]").c_str(),
-      std::runtime_error);
-  CHECK(folder.contents().empty());
+  CHECK_THROWS_WITH_AS(saveNetworkWeights(folder / "f", weights),
+                       ((folder / "f").string() + ": tensor 'output.bias': shape [1], expected [2]").c_str(),
+                       std::runtime_error);
+  CHECK(folder.entries() == 0);
 }
 
 }  // namespace patella::app

@@ -8,14 +8,18 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 
-#include "temporary_folder.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
 
 namespace patella::app {
+
+using test::listing;
+using test::ScratchFolder;
 
 namespace {
 
@@ -43,8 +47,8 @@ std::string get(const std::filesystem::path& path) {
 
 /// What the reader says of a file of this content; its path is replaced by "file".
 std::string refusal(const std::string& content) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   put(path, content);
   try {
     readSafetensors(path);
@@ -65,8 +69,8 @@ std::string oneTensor(const std::string& fields) {
 }  // namespace
 
 TEST_CASE("F32 and F64, scalars, empty tensors, any order and padding are read") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   const std::string header =
       R"({"__metadata__":{"a":"b"},"late":{"dtype":"F32","shape":[],"data_offsets":[16,20]},)"
       R"("none":{"dtype":"F32","shape":[0,3],"data_offsets":[16,16]},)"
@@ -165,19 +169,18 @@ TEST_CASE("numbers that are not finite float32 are refused with the tensor's nam
 }
 
 TEST_CASE("what is not a readable file is refused by name") {
-  const TemporaryFolder folder;
-  CHECK_THROWS_WITH_AS(readSafetensors(folder.file("absent")),
-                       doctest::Contains((folder.file("absent").string() + ": ").c_str()),
-                       std::runtime_error);
-  std::filesystem::create_directory(folder.file("folder"));
-  CHECK_THROWS_WITH_AS(readSafetensors(folder.file("folder")),
-                       (folder.file("folder").string() + ": is a directory, expected a regular file").c_str(),
+  const ScratchFolder folder;
+  CHECK_THROWS_WITH_AS(readSafetensors(folder / "absent"),
+                       doctest::Contains(((folder / "absent").string() + ": ").c_str()), std::runtime_error);
+  std::filesystem::create_directory(folder / "folder");
+  CHECK_THROWS_WITH_AS(readSafetensors(folder / "folder"),
+                       ((folder / "folder").string() + ": is a directory, expected a regular file").c_str(),
                        std::runtime_error);
 }
 
 TEST_CASE("every truncation of a sound file is refused") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   writeSafetensors(path,
                    {.tensors = {{"x", {{2}, {1.0F, 2.0F}}}, {"y", {{1}, {3.0F}}}}, .metadata = {{"a", "b"}}});
   const std::string whole = get(path);
@@ -188,8 +191,8 @@ TEST_CASE("every truncation of a sound file is refused") {
 }
 
 TEST_CASE("what is written reads back the same, with aligned data") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   const Safetensors content = {
       .tensors = {{"b", {{2, 3}, {1.0F, -0.0F, 3e-45F, std::numeric_limits<float>::max(), 0.1F, -7.0F}}},
                   {"a", {{}, {5.0F}}}},
@@ -209,7 +212,7 @@ TEST_CASE("what is written reads back the same, with aligned data") {
     CHECK(read.tensors.at(name).shape == tensor.shape);
     CHECK(bytes(read.tensors.at(name).values) == bytes(tensor.values));
   }
-  CHECK(folder.contents() == std::vector<std::string>{"net.safetensors"});
+  CHECK(listing(folder.path()) == std::set<std::string>{"net.safetensors"});
 }
 
 TEST_CASE("the digest is the documented one") {
@@ -219,8 +222,8 @@ TEST_CASE("the digest is the documented one") {
 }
 
 TEST_CASE("no bit of a sealed file can be flipped unnoticed") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   writeSafetensors(path, {.tensors = {{"b", {{2, 2}, {1.0F, -0.5F, 0.25F, 8.0F}}}, {"a", {{1}, {5.0F}}}},
                           .metadata = {{"scale", "1.25,2"}}});
   const std::string whole = get(path);
@@ -239,8 +242,8 @@ TEST_CASE("no bit of a sealed file can be flipped unnoticed") {
 }
 
 TEST_CASE("a file from elsewhere has no digest, is read, and is known for it") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   put(path, fileOf(R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", kTwoFloats));
   CHECK_FALSE(readSafetensors(path).sealed);
   const auto with = [](const std::string& metadata) {
@@ -255,8 +258,8 @@ TEST_CASE("a file from elsewhere has no digest, is read, and is known for it") {
 }
 
 TEST_CASE("what is larger than weights are, or no file, is refused") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   put(path, "");
   std::filesystem::resize_file(path, 64'000'001);
   CHECK_THROWS_WITH_AS(
@@ -268,8 +271,8 @@ TEST_CASE("what is larger than weights are, or no file, is refused") {
 }
 
 TEST_CASE("a failed write leaves the old file and nothing else") {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.file("net.safetensors");
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "net.safetensors";
   const Safetensors old = {.tensors = {{"x", {{1}, {1.0F}}}}, .metadata = {}};
   writeSafetensors(path, old);
   const std::string before = get(path);
@@ -291,23 +294,23 @@ TEST_CASE("a failed write leaves the old file and nothing else") {
   std::signal(SIGXFSZ, handler);
   CHECK(message.starts_with(path.string() + ": "));
   CHECK(get(path) == before);
-  CHECK(folder.contents() == std::vector<std::string>{"net.safetensors"});
+  CHECK(listing(folder.path()) == std::set<std::string>{"net.safetensors"});
 
-  const std::filesystem::path nowhere = folder.file("absent") / "net.safetensors";
+  const std::filesystem::path nowhere = folder / "absent" / "net.safetensors";
   CHECK_THROWS_WITH_AS(writeSafetensors(nowhere, old), doctest::Contains(nowhere.string().c_str()),
                        std::runtime_error);
-  std::filesystem::create_directory(folder.file("taken"));
-  CHECK_THROWS_WITH_AS(writeSafetensors(folder.file("taken"), old),
-                       doctest::Contains(folder.file("taken").string().c_str()), std::runtime_error);
-  CHECK(folder.contents() == std::vector<std::string>{"net.safetensors", "taken"});
+  std::filesystem::create_directory(folder / "taken");
+  CHECK_THROWS_WITH_AS(writeSafetensors(folder / "taken", old),
+                       doctest::Contains((folder / "taken").string().c_str()), std::runtime_error);
+  CHECK(listing(folder.path()) == std::set<std::string>{"net.safetensors", "taken"});
 }
 
 TEST_CASE("a tensor whose values do not fill its shape is not written") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const Safetensors wrong = {.tensors = {{"x", {{2, 2}, {1.0F}}}}, .metadata = {}};
-  CHECK_THROWS_WITH_AS(writeSafetensors(folder.file("f"), wrong),
+  CHECK_THROWS_WITH_AS(writeSafetensors(folder / "f", wrong),
                        doctest::Contains("tensor 'x': shape [2,2], but 1 values"), std::runtime_error);
-  CHECK(folder.contents().empty());
+  CHECK(folder.entries() == 0);
 }
 
 }  // namespace patella::app

@@ -105,7 +105,7 @@ void agreeOnDamping(Random& random, const TrueEffect& effect, Rig& rig) {
   }
 }
 
-/// Of the declared damping: two standard deviations of what a diagnosis takes it to be known to.
+/// Share of the declared damping: two standard deviations of what a diagnosis takes it to be known to.
 constexpr double kDeclaredDoubt = 0.2;
 
 bool isWithinDeclaredDamping(const Rig& rig, const TrueEffect& effect) {

@@ -11,7 +11,7 @@ bool applicable(Kind kind, std::size_t joint, const Rig& rig) noexcept;
 /// Whether masses, centres of mass and inertias could take its place exactly.
 bool inSpan(Kind kind, std::size_t joint, Shape shape) noexcept;
 
-/// Of about twice the size of the patient's pushing; the shape is drawn.
+/// An effect of about twice the size of the patient's pushing; its shape is drawn.
 TrueEffect drawEffect(Random& random, Kind kind, std::size_t joint, const Rig& rig);
 
 /// Least and greatest first parameter: beyond, the effect is not physical or the rig not to be controlled.

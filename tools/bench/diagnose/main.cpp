@@ -18,8 +18,10 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/evidence/decision.hpp"
 
 namespace {
 
@@ -34,10 +36,12 @@ struct Options {
   std::string suite = "all";
   unsigned threads = 2;
   std::filesystem::path out;
+  std::filesystem::path data;
   int replicates = diagnose::DiagnoseOptions{}.bootstrap_replicates;
   std::vector<std::string> without;  ///< gates
   bool recordings = false;
   bool draw_only = false;
+  bool by_evidence = false;
   Wish wish;
 };
 
@@ -53,7 +57,9 @@ constexpr const char* kRules = R"(Rules
   Payload, rotor inertia of a first or only joint and torque gain of a single joint are what other nominal
   parameters would be: drawn in physical sizes and counted apart. So is viscous friction of less than a fifth of
   the damping that the model declares, which is within two standard deviations of it.
-Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown.)";
+Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And planted:
+  halves of measured recordings with the model that the other half led to, plain or with a drawn effect added to the
+  measured torque; decided by the evidence.)";
 
 Suite suiteOf(const std::string& name, std::size_t index) {
   if (name == "all") {
@@ -125,7 +131,13 @@ CaseResult runCase(const Options& options, std::size_t index) {
     how.seed = drawn.seed;
     how.bootstrap_replicates = options.replicates;
     how.gates = gatesWithout(options.without);
-    result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
+    if (options.by_evidence) {
+      result.diagnosis =
+          diagnose::evidence::decide(std::span(&drawn.run.recording, 1), drawn.nominal,
+                                     {.person_Nm = {drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.end()}});
+    } else {
+      result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
+    }
     result.diagnosis.curves.clear();
     result.score = score(result.truth, result.diagnosis);
   } catch (const std::exception& error) {
@@ -230,8 +242,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->capture_default_str();
   app.add_option("--first", options.first, "number of the first case of the seed")->capture_default_str();
   app.add_option("--suite", options.suite, "what is missing")
-      ->check(CLI::IsMember({"single", "double", "none", "unknown", "all"}))
+      ->check(CLI::IsMember({"single", "double", "none", "unknown", "all", "planted"}))
       ->capture_default_str();
+  app.add_option("--data", options.data, "folder of measured recordings, for the suite planted")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--threads", options.threads, "cases at once")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -249,9 +263,14 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--strength", options.wish.strength, "of each effect, instead of 0.5 to 5")
       ->check(CLI::PositiveNumber);
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
+  app.add_flag("--evidence", options.by_evidence,
+               "decide by one score, the evidence, instead of by gates; told what the person pushes with");
   app.add_flag("--draw-only", options.draw_only, "diagnose nothing");
   try {
     app.parse(argc, argv);
+    if ((options.suite == "planted") == options.data.empty()) {
+      throw CLI::ValidationError("--data", "belongs to the suite planted, which needs it");
+    }
     if (options.recordings && options.out.empty()) {
       throw CLI::ValidationError("--recordings", "needs --out");
     }
@@ -259,7 +278,15 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     return app.exit(error) == 0 ? 0 : 1;
   }
   try {
-    runAll(options);
+    if (options.suite == "planted") {
+      std::cout << runPlanted({.data = options.data,
+                               .source = PATELLA_SOURCE_DIR,
+                               .out = options.out,
+                               .cases = options.cases,
+                               .seed = options.seed});
+    } else {
+      runAll(options);
+    }
   } catch (const std::exception& error) {
     std::cerr << "patella-bench-diagnose: " << error.what() << "\n";
     return 1;

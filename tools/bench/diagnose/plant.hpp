@@ -61,7 +61,7 @@ class Plant {
   Pair velocity() const noexcept;
   /// What the encoders, which may be mounted askew, are to count.
   Pair encoder() const noexcept;
-  /// Of the motor, which differs from the joint's where the transmission gives way.
+  /// Angle of the motor, which differs from the joint's where the transmission gives way.
   Pair motorPosition() const noexcept;
   /// Kinetic and potential energy of the segments, J.
   double energy() const noexcept;

@@ -39,7 +39,7 @@ struct Field {
   }
 };
 
-// Of ten lags, as patella-train gives it.
+// The path has ten lags, as patella-train gives it.
 network::NetworkWeights withLinearPath(network::NetworkWeights weights) {
   weights.linear_lags = {0, 1, 2, 3, 5, 8, 12, 18, 26, 36};
   weights.linear_weight = network::WeightMatrix::Constant(kOutputs, 10 * kInputs, 0.1F);

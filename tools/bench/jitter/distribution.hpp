@@ -22,7 +22,7 @@ class Distribution {
   double maximum_us() const noexcept { return maximum_us_; }
   /// Upper bound of the bucket that holds the fraction `quantile`, at most the maximum, µs; 0 when empty.
   double quantile_us(double quantile) const;
-  /// Of count(), those only known to lie beyond what was counted one by one.
+  /// How many of count() are only known to lie beyond what was counted one by one.
   std::uint64_t beyond() const noexcept { return beyond_; }
   const std::map<double, std::uint64_t>& buckets() const noexcept { return buckets_; }
 
@@ -40,12 +40,12 @@ class Distribution {
 std::vector<double> wakeUps(std::span<const double> t_s, std::span<const double> wakeup_us,
                             std::span<const double> execution_us);
 
-/// Of single latencies, µs.
+/// The distribution of single latencies, µs.
 Distribution ofLatencies(std::span<const double> latencies_us);
 
-/// Of what `cyclictest -q -N -h LIMIT` prints: lines "LATENCY COUNT" in nanoseconds, and comments. What lay
-/// beyond the limit is put at the maximum. Throws std::runtime_error naming the line that cannot be read, or
-/// when there is no count at all.
+/// Reads what `cyclictest -q -N -h LIMIT` prints: lines "LATENCY COUNT" in nanoseconds, and comments. What
+/// lay beyond the limit is put at the maximum. Throws std::runtime_error naming the line that cannot be read,
+/// or when there is no count at all.
 Distribution fromCyclictest(std::string_view text);
 
 }  // namespace patella::bench

@@ -26,8 +26,9 @@ struct AdaptiveSettings {
   /// The push is white noise behind a critically damped low-pass of this corner: it does not wander off, as
   /// that of constant rate (0 Hz) does, and what stays is the model's fault.
   double push_corner_Hz = 0.3;
-  /// Of the acceleration with which inertia is held to account. Unfiltered it carries the noise of the push's
-  /// estimate, which the next innovation carries, too: their product has a mean, and inertia grew with it.
+  /// Cut-off for the acceleration with which inertia is held to account. Unfiltered it carries the noise of
+  /// the push's estimate, which the next innovation carries, too: their product has a mean, and inertia grew
+  /// with it.
   double acceleration_cutoff_Hz = 2.0;
   BodyDirections body;
   double body_deviation = 0.1;  ///< of each of its numbers, before anything was seen

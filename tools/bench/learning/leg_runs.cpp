@@ -21,7 +21,7 @@ double between(sim::Random& random, double low, double high) {
   return low + (high - low) * random.uniform();
 }
 
-/// Of one joint.
+/// The motion of one joint.
 class Trajectory {
  public:
   Trajectory(double offset_rad, double speed_rad_s, sim::Random& random) : offset_rad_(offset_rad) {

@@ -33,7 +33,7 @@ struct LegStudyOptions {
   train::TrainingOptions training;
 };
 
-/// Of one estimator in one condition and one seed.
+/// Result of one estimator in one condition and one seed.
 struct LegResult {
   std::string condition;
   std::string estimator;

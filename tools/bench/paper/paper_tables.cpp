@@ -29,7 +29,7 @@ const char* kindName(Method::Kind kind) {
 constexpr const char* kTarget = "what the network learned from";
 constexpr const char* kNothing = "saying nothing";
 
-/// Of a condition's networks, over seeds; `value` picks what is looked at.
+/// Statistics over the seeds of a condition's networks; `value` picks what is looked at.
 template <typename Value>
 Entry entryOf(const PaperResults& results, const Condition& condition, const std::string& tested_on,
               const std::string& name, Value value) {
@@ -175,7 +175,7 @@ void writeTable1(const PaperResults& results, const std::filesystem::path& path)
 
 std::string meaning(const PaperResults& results) {
   std::string text =
-      "What this means: time is one of the network's inputs. Of the random split every tested step stands "
+      "What this means: time is one of the network's inputs. In the random split every tested step stands "
       "between "
       "trained\nones, 10 ms away at 100 Hz, so that a curve through the trained steps hits it; that is "
       "smoothing, with "

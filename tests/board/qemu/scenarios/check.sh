@@ -33,7 +33,7 @@ raise_interrupt 85
 check
 cat "$PATELLA_ARTEFACTS/check.txt"
 expect "exit status of check" "$status" -eq 0
-for name in preempt_rt rtprio_limit memlock_limit governor isolated_cpus nohz_full cpu_dma_latency sched_rt_runtime_us \
+for name in preempt_rt rtprio_limit memlock_limit governor processors isolated_cpus nohz_full cpu_dma_latency sched_rt_runtime_us \
     swap clock_source irq_affinity can_up can_state can_bitrate can_restart_ms can_txqueuelen can_irq_priority gpio_chip; do
   grep -q "^  ok  *$name " "$PATELLA_ARTEFACTS/check.txt" || fail "check does not say ok of $name"
 done

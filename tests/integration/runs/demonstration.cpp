@@ -1,29 +1,13 @@
-#include "tests/integration/runs/run_folder.hpp"
+#include "tests/integration/runs/demonstration.hpp"
 
 #include <atomic>
 #include <random>
-#include <stdexcept>
-
-#include <stdlib.h>
 
 #include "core/bounds/bounds.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tests/support/paths.hpp"
 
 namespace patella::test {
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "patella-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw std::runtime_error(name + " cannot be created");
-  }
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 app::RunConfig demonstration(double duration_s, const std::string& backend, const std::string& clock) {
   app::CommandLine line;

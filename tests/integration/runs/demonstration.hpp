@@ -1,5 +1,5 @@
-// What tests of whole runs share: the demonstration's configuration and a folder that goes when the test
-// ends.
+// What tests of whole runs share: the demonstration's configuration, weights for it, and a bus that does what
+// a loop must not.
 #pragma once
 
 #include <filesystem>
@@ -8,21 +8,9 @@
 
 #include "drivers/can/bus.hpp"
 #include "firmware_app/configuration/run_config.hpp"
+#include "tests/unit/files/scratch_folder.hpp"
 
 namespace patella::test {
-
-/// A fresh folder below the system's temporary one, removed with all it holds.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// The demonstration, in virtual time unless told otherwise.
 app::RunConfig demonstration(double duration_s, const std::string& backend = "sim",

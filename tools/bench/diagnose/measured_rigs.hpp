@@ -1,0 +1,25 @@
+// Recordings of other people's rigs, with what reads them and the model that their makers publish.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/recording.hpp"
+
+namespace patella::bench {
+
+struct MeasuredRecording {
+  std::string rig;   ///< folder
+  std::string name;  ///< file
+  app::ModelDescription model;
+  diagnose::Recording recording;
+};
+
+/// All that move and are no table, in a fixed order. `data`: folder that holds emps, double_pendulum and
+/// measured; `source`: the project's. Throws app::FileError where a folder is absent.
+std::vector<MeasuredRecording> measuredRecordings(const std::filesystem::path& data,
+                                                  const std::filesystem::path& source);
+
+}  // namespace patella::bench

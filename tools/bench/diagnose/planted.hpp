@@ -1,0 +1,24 @@
+// Effects planted in measured recordings: real noise, known truth. And halves of plain recordings against
+// each other, in which nothing was planted.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace patella::bench {
+
+struct PlantedOptions {
+  std::filesystem::path data;    ///< folder of the recordings
+  std::filesystem::path source;  ///< the project's: maps of columns and models
+  std::filesystem::path out;     ///< folder for planted.csv; empty: none
+  std::size_t cases = 100;
+  std::uint64_t seed = 1;
+  double plain_share = 0.4;  ///< of the cases
+};
+
+/// Diagnoses parts of one half of a recording with the model that the other half led to, plain or with the
+/// torque of a drawn effect added to the measured one. Returns a summary for the console.
+std::string runPlanted(const PlantedOptions& options);
+
+}  // namespace patella::bench

@@ -1,0 +1,20 @@
+// Every number that decides something in the inference by evidence, and why it stands there.
+#pragma once
+
+namespace patella::diagnose::evidence::threshold {
+
+/// Nats by which an effect must make a recording likelier, its prior and the choice among its forms paid for.
+/// The largest score of some hundred forms in a recording that lacks nothing stays below 5 in 99 of 100.
+inline constexpr double kLeastGain = 5.0;
+/// Models within so many nats of the best cannot be told from it: 1 to 20 against them.
+inline constexpr double kSameEvidence = 3.0;
+/// Nats that functions of motion and time must bring together to count as structure. Their scales, some
+/// thirty, are free and cost nothing, so that they bring up to 10 where there is none.
+inline constexpr double kLeastStructure = 10.0;
+/// Of what was missing, the share (rms) from which structure without a name is something else that is
+/// missing; what is less is the difference between the form of a named effect and the machine's.
+inline constexpr double kMaterialShare = 0.35;
+/// Of the rigid body's torque: no model of it is better than that, whatever sensors resolve.
+inline constexpr double kRigidDiscrepancy = 0.01;
+
+}  // namespace patella::diagnose::evidence::threshold
