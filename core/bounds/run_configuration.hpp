@@ -61,7 +61,7 @@ inline constexpr std::array kEstimation{
 inline constexpr std::array kEmg{
     number("emg.band_low_Hz", "Hz", 1, 500, "motion artefacts end at 20; surface EMG ends at 500"),
     number("emg.band_high_Hz", "Hz", 10, 2000, "surface EMG ends at 500, needles' at 2000"),
-    number("emg.mains_Hz", "Hz", 0, 70, "50 or 60, and what mains stray from them; 0 is without"),
+    number("emg.mains_Hz", "Hz", 0, 70, "50 or 60, and what mains stray from them, from 40 on; 0 is without"),
     number("emg.envelope_Hz", "Hz", 0.1, 100, "a muscle follows 10; beyond 100 the raw signal passes"),
     number("emg.twitch_s", "s", 0, 0.2, "slow fibres take 0.1 s to their peak; 0 is without"),
     number("emg.mvc_mV", "mV", 1e-4, 1000, "below an amplifier's noise; beyond any electrode's signal"),

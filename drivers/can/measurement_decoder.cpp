@@ -43,7 +43,9 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   requireBound(boundOf("checks.position_jump_rad"), position_jump_rad_);
   requireBound(boundOf("checks.tolerated_bad_frames"), tolerated_);
   if (!(position_min_rad_ < position_max_rad_)) {
-    throw std::invalid_argument("plausibility: expected position_min_rad < position_max_rad");
+    throw std::invalid_argument(
+        "checks.position_min_rad = " + std::to_string(position_min_rad_) +
+        ", expected less than checks.position_max_rad = " + std::to_string(position_max_rad_));
   }
   for (const Protection& protection : map.protections) {
     CompiledMessage(database.message(protection.message), protection);

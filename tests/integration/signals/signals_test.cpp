@@ -1,14 +1,12 @@
 // Every signal that Linux has, sent to a loop that commands torque: what goes out on bus and enable line, how
 // soon, and what becomes of the process. Prints the table of docs/safety.md.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -25,11 +23,11 @@ using namespace patella::test;
 namespace {
 
 constexpr std::size_t kAtATime = 8;
-constexpr int kAttempts = 5;  ///< a host that stands still for half a second is not the subject
-constexpr int kStopped = 3;   ///< exit status of a run that ended in a latched stop
-constexpr auto kWatched = std::chrono::milliseconds(60);
-constexpr double kGoesOn_ms = 40.0;
-constexpr double kSoon_ms = 100.0;  ///< on a busy host; what was measured on a quiet one is in the document
+constexpr int kAttempts = 5;         ///< a host that stands still for half a second is not the subject
+constexpr int kStopped = 3;          ///< exit status of a run that ended in a latched stop
+constexpr std::size_t kGoesOn = 40;  ///< commands of torque after a signal that ends nothing
+/// Commands of torque after one that does, one a tick, until a busy host lets the handler run.
+constexpr std::size_t kSoon = 100;
 constexpr std::size_t kFramesOfExit = 6;
 constexpr std::size_t kFramesOfEnd = 10;  ///< loop.shutdown_frames
 
@@ -38,12 +36,17 @@ const std::string kHeader =
 
 struct Outcome {
   Aftermath after;
-  bool lived = false;  ///< some time after the signal
+  bool went_on = false;  ///< commanded torque for some time after the signal
   int status = -1;
 };
 
 bool livesOn(Reaction reaction) {
   return reaction == Reaction::kIgnored || reaction == Reaction::kHarmless;
+}
+
+/// The loop had stopped by itself: its host stood still for too long.
+bool disturbed(int status) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == kStopped;
 }
 
 /// Outcomes of those signals whose process was not disturbed by its host.
@@ -56,21 +59,19 @@ std::map<int, Outcome> sendAtOnce(const std::vector<int>& signals) {
   for (const auto& [signal, run] : runs) {
     run->send(signal);
   }
-  std::this_thread::sleep_for(kWatched);
   std::map<int, Outcome> outcomes;
   for (const auto& [signal, run] : runs) {
     Outcome outcome;
-    outcome.lived = run->alive();
-    outcome.after = run->aftermath();
     if (livesOn(rowOf(signal).reaction)) {
+      outcome.went_on = run->goesOn(kGoesOn);
+      outcome.after = run->aftermath();
       run->send(SIGTERM);
-    }
-    outcome.status = run->wait();
-    if (!livesOn(rowOf(signal).reaction)) {
+      outcome.status = run->wait();
+    } else {
+      outcome.status = run->wait();
       outcome.after = run->aftermath();
     }
-    const bool disturbed = WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) == kStopped;
-    if (!disturbed) {
+    if (!disturbed(outcome.status)) {
       outcomes.emplace(signal, outcome);
     }
   }
@@ -96,7 +97,7 @@ std::map<int, Outcome> sendAll() {
 }
 
 std::string ended(int signal, const Outcome& outcome) {
-  if (outcome.lived && WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) == 0 &&
+  if (outcome.went_on && WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) == 0 &&
       livesOn(rowOf(signal).reaction)) {
     return "runs on";
   }
@@ -187,12 +188,10 @@ void checkLetGo(const Outcome& outcome, int signal) {
   const Aftermath& after = outcome.after;
   CHECK(WIFSIGNALED(outcome.status));
   CHECK(WTERMSIG(outcome.status) == signal);
-  CHECK(after.zero_counters.size() == kFramesOfExit);
+  CHECK(after.exit_counters.size() == kFramesOfExit);
   CHECK(after.line_stayed_low);
   CHECK(after.line_low_ms >= 0.0);
-  CHECK(after.line_low_ms < kSoon_ms);
-  CHECK(after.first_zero_ms < kSoon_ms);
-  CHECK(after.torque_until_ms < kSoon_ms);
+  CHECK(after.torque_commands < kSoon);
 }
 
 /// A run that commands torque, at the latest at the fifth attempt.
@@ -232,12 +231,11 @@ TEST_CASE("every signal lets torque go first, ends the run, or leaves it alone o
       } else if (row.reaction == Reaction::kEnd) {
         CHECK(ended(signal, outcome) == "exit status 0");
         CHECK(outcome.after.zero_counters.size() == kFramesOfEnd);
+        CHECK(outcome.after.exit_counters.empty());
         CHECK(outcome.after.line_stayed_low);
-        CHECK(outcome.after.line_low_ms < kSoon_ms);
-        CHECK(outcome.after.torque_until_ms < kSoon_ms);
+        CHECK(outcome.after.torque_commands < kSoon);
       } else {
         CHECK(ended(signal, outcome) == "runs on");
-        CHECK(outcome.after.torque_until_ms > kGoesOn_ms);
         CHECK(outcome.after.line_low_ms < 0.0);
         CHECK(outcome.after.first_zero_ms < 0.0);
       }
@@ -263,7 +261,7 @@ TEST_CASE("a signal that the loop thread takes itself lets torque go as well") {
     run->sendToLoopThread(signal);
     const Outcome outcome = outcomeOf(*run);
     checkLetGo(outcome, signal);
-    CHECK(inOneRow(outcome.after.zero_counters));
+    CHECK(inOneRow(outcome.after.exit_counters));
   }
 }
 
@@ -273,8 +271,8 @@ TEST_CASE("signals in several threads at once let go once, and the process ends"
   run->send(SIGQUIT);
   run->send(SIGUSR1);
   const Outcome outcome = outcomeOf(*run);
-  CHECK(outcome.after.zero_counters.size() == kFramesOfExit);
-  CHECK(inOneRow(outcome.after.zero_counters));
+  CHECK(outcome.after.exit_counters.size() == kFramesOfExit);
+  CHECK(inOneRow(outcome.after.exit_counters));
   CHECK(outcome.after.line_stayed_low);
   CHECK(WIFSIGNALED(outcome.status));
 }
@@ -285,19 +283,21 @@ TEST_CASE("the end of the run does not disturb a signal that ends the process") 
   run->sendToLoopThread(SIGINT);
   const Outcome outcome = outcomeOf(*run);
   checkLetGo(outcome, SIGQUIT);
-  CHECK(inOneRow(outcome.after.zero_counters));
+  CHECK(inOneRow(outcome.after.exit_counters));
 }
 
 TEST_CASE("a hangup that was ignored from the start stays ignored, as nohup wants it") {
-  const auto run = activeRun({.ignore_hangup = true});
-  run->send(SIGHUP);
-  std::this_thread::sleep_for(kWatched);
-  CHECK(run->alive());
-  const Aftermath after = run->aftermath();
-  CHECK(after.torque_until_ms > kGoesOn_ms);
-  CHECK(after.line_low_ms < 0.0);
-  run->send(SIGINT);
-  CHECK(run->wait() == 0);
+  int status = -1;
+  for (int attempt = 0; attempt < kAttempts && (attempt == 0 || disturbed(status)); ++attempt) {
+    const auto run = activeRun({.ignore_hangup = true});
+    run->send(SIGHUP);
+    run->goesOn(kGoesOn);
+    CHECK(run->alive());
+    CHECK(run->aftermath().exit_counters.empty());
+    run->send(SIGINT);
+    status = run->wait();
+  }
+  CHECK(status == 0);
 }
 
 TEST_CASE("no other signal that ends a process stays ignored or blocked because it was") {
@@ -312,9 +312,13 @@ TEST_CASE("no other signal that ends a process stays ignored or blocked because 
     run->sendToLoopThread(signal);
     checkLetGo(outcomeOf(*run), signal);
   }
-  const auto run = activeRun({.block_everything = true});
-  run->send(SIGTERM);
-  CHECK(run->wait() == 0);
+  int status = -1;
+  for (int attempt = 0; attempt < kAttempts && (attempt == 0 || disturbed(status)); ++attempt) {
+    const auto run = activeRun({.block_everything = true});
+    run->send(SIGTERM);
+    status = run->wait();
+  }
+  CHECK(status == 0);
 }
 
 TEST_CASE("the first process of a container, whom no default action ends, ends as well") {
@@ -327,7 +331,7 @@ TEST_CASE("the first process of a container, whom no default action ends, ends a
   const Outcome outcome = outcomeOf(*run);
   CHECK(WIFEXITED(outcome.status));
   CHECK(WEXITSTATUS(outcome.status) == 128 + SIGQUIT);
-  CHECK(outcome.after.zero_counters.size() == kFramesOfExit);
+  CHECK(outcome.after.exit_counters.size() == kFramesOfExit);
   CHECK(outcome.after.line_stayed_low);
 }
 

@@ -10,7 +10,6 @@
 
 #include <sched.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +21,7 @@
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/signal_reactions.hpp"
 #include "sim/rig_thread.hpp"
+#include "tests/support/fresh_signals.hpp"
 #include "tests/support/paths.hpp"
 
 namespace patella::test {
@@ -132,17 +132,13 @@ std::atomic<bool> g_stop{false};
 
 /// Signals as a fresh process has them that somebody else started; the test framework has its own.
 void inherit(const RunOptions& options) {
-  for (int signal = 1; signal <= app::kSignalCount; ++signal) {
-    std::signal(signal, SIG_DFL);
-  }
+  useFreshSignals(app::kSignalCount);
   if (options.ignore_hangup) {
     std::signal(SIGHUP, SIG_IGN);
   }
   if (options.ignore_quit) {
     std::signal(SIGQUIT, SIG_IGN);
   }
-  const rlimit no_core_dumps{};
-  setrlimit(RLIMIT_CORE, &no_core_dumps);
   sigset_t mask;
   sigemptyset(&mask);
   if (options.block_everything) {
@@ -225,6 +221,7 @@ void Ledger::note(Deed deed, std::uint8_t counter) noexcept {
   if (index < entries.size()) {
     entries[index].deed = deed;
     entries[index].counter = counter;
+    entries[index].letting_go = app::EmergencyExit::begun();
     entries[index].time_ns.store(now_ns());
   }
 }
@@ -270,12 +267,13 @@ bool WatchedRun::lately(std::uint32_t count) const {
   return true;
 }
 
+bool WatchedRun::stopped() const {
+  const safety::State state = ledger_->state.load(std::memory_order_relaxed);
+  return state == safety::State::kFault || state == safety::State::kLimited;
+}
+
 bool WatchedRun::becomesActive() {
-  const auto stopped = [this] {
-    const safety::State state = ledger_->state.load(std::memory_order_relaxed);
-    return state == safety::State::kFault || state == safety::State::kLimited;
-  };
-  const auto decided = [&] { return lately(kEntriesWhenActive) || stopped() || !alive(); };
+  const auto decided = [this] { return lately(kEntriesWhenActive) || stopped() || !alive(); };
   return comes(decided, kLongestStart) && !stopped() && alive();
 }
 
@@ -311,6 +309,11 @@ int WatchedRun::wait() {
   return status_;
 }
 
+bool WatchedRun::goesOn(std::size_t commands) {
+  const auto gone_on = [&] { return aftermath().torque_commands >= commands; };
+  return comes([&] { return gone_on() || stopped() || !alive(); }) && gone_on();
+}
+
 Aftermath WatchedRun::aftermath() const {
   Aftermath after;
   const std::uint32_t end =
@@ -324,10 +327,11 @@ Aftermath WatchedRun::aftermath() const {
     switch (entry.deed) {
       case Deed::kTorque:
         after.torque_until_ms = time_ms;
+        ++after.torque_commands;
         break;
       case Deed::kZero:
         after.first_zero_ms = after.first_zero_ms < 0.0 ? time_ms : after.first_zero_ms;
-        after.zero_counters.push_back(entry.counter);
+        (entry.letting_go ? after.exit_counters : after.zero_counters).push_back(entry.counter);
         break;
       case Deed::kEnable:
         after.line_stayed_low = false;

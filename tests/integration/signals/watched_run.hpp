@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct Entry {
   std::atomic<std::int64_t> time_ns{0};  ///< 0 until the rest is written
   Deed deed = Deed::kZero;
   std::uint8_t counter = 0;  ///< of the command
+  bool letting_go = false;   ///< an emergency exit had begun
 };
 
 /// Threads of the process that can be made to run out of stack.
@@ -50,12 +52,15 @@ struct RunOptions {
 };
 
 /// What was seen from the instant of a signal on. Times in ms after it; negative where there was no such.
+/// Commands are counted as well: a host that stands still delays a time, and adds no command.
 struct Aftermath {
   double torque_until_ms = -1.0;  ///< last command that was not zero
   double line_low_ms = -1.0;
   double first_zero_ms = -1.0;
   bool line_stayed_low = false;
-  std::vector<int> zero_counters;  ///< of the zero commands, in their order
+  std::size_t torque_commands = 0;  ///< that were not zero
+  std::vector<int> zero_counters;   ///< of the loop's zero commands, in their order
+  std::vector<int> exit_counters;   ///< likewise of those since an emergency exit began
 };
 
 class WatchedRun {
@@ -80,11 +85,14 @@ class WatchedRun {
   /// Waits for the end; status as of waitpid(2), -1 where it did not come.
   int wait();
   bool alive();
+  /// Waits until `commands` of torque followed the signal. False where the loop stops or dies before.
+  bool goesOn(std::size_t commands);
   Aftermath aftermath() const;
 
  private:
   /// The latest `count` entries are of torque and a high line.
   bool lately(std::uint32_t count) const;
+  bool stopped() const;
 
   Ledger* ledger_;
   pid_t child_ = -1;

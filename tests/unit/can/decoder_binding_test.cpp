@@ -63,7 +63,8 @@ TEST_CASE("what cannot be bound is named together with what exists") {
   CHECK(why(map).starts_with("checks.position_max_rad = 1e+308, expected "));
   map = test::rigMap();
   map.position_min_rad = map.position_max_rad = 0.5;
-  CHECK(why(map) == "plausibility: expected position_min_rad < position_max_rad");
+  CHECK(why(map) ==
+        "checks.position_min_rad = 0.500000, expected less than checks.position_max_rad = 0.500000");
   map = test::rigMap();
   map.tolerated_bad_frames = -1;
   CHECK(why(map).starts_with("checks.tolerated_bad_frames = -1, expected "));

@@ -7,15 +7,16 @@
 #include <thread>
 
 #include <doctest/doctest.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "simulated_run.hpp"
+#include "tests/support/fresh_signals.hpp"
 
 using namespace patella;
 using namespace patella::app;
+using namespace patella::test;
 using tick::Stage;
 
 namespace {
@@ -131,11 +132,7 @@ Afterwards afterSignal(const std::function<void(EndedRun&)>& prepare) {
   REQUIRE(pipe(ends.data()) == 0);
   const pid_t child = fork();
   if (child == 0) {
-    for (int signal = 1; signal <= kSignalCount; ++signal) {
-      std::signal(signal, SIG_DFL);  // not the test framework's
-    }
-    const rlimit no_core_dumps{};
-    setrlimit(RLIMIT_CORE, &no_core_dumps);
+    useFreshSignals(kSignalCount);
     EndedRun run;
     prepare(run);
     run.end([&](const Afterwards& seen) {

@@ -10,15 +10,16 @@
 #include <thread>
 
 #include <doctest/doctest.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "drivers/can/dbc.hpp"
+#include "tests/support/fresh_signals.hpp"
 #include "tests/support/paths.hpp"
 
 using namespace patella;
 using namespace patella::app;
+using namespace patella::test;
 
 namespace {
 
@@ -87,11 +88,7 @@ Death dieOf(const std::function<void(Reporting&, can::CommandEncoder&, const Clo
       can::loadDbc(std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc");
   const pid_t child = fork();
   if (child == 0) {
-    for (int signal = 1; signal <= kSignalCount; ++signal) {
-      std::signal(signal, SIG_DFL);  // not the test framework's
-    }
-    const rlimit no_core_dumps{};
-    setrlimit(RLIMIT_CORE, &no_core_dumps);
+    useFreshSignals(kSignalCount);
     Reporting means(ends[1]);
     can::CommandEncoder encoder = commandEncoder(database);
     const MonotonicClock clock;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kWindow_s = 0.5;
 /// Times the median of the windows, from which a deviation is none of the ordinary ones.
 constexpr double kBeyond = 4.0;
-/// Of a stretch, at each end.
+/// Largest share of a stretch that is cut off at each end.
 constexpr double kMost = 0.2;
 constexpr std::size_t kFewestWindows = 5;
 

@@ -11,7 +11,7 @@ namespace {
 
 // Standard deviations of what drives have.
 constexpr double kUsualGain = 0.1;
-/// Of the torque, that a drive which gives more may take away: nearly all.
+/// Largest share of the torque that a drive may take away: nearly all.
 constexpr double kMostGain = 0.9;
 constexpr double kUsual_s = 0.01;
 // Over which a torque is differentiated, against periods of 70 ms and more in the band.

@@ -16,7 +16,7 @@ constexpr double kMostOther = 1e12;
 constexpr double kSteepest = 0.02;
 /// Coefficients that the joint's mean level counts as in the estimate of a band's.
 constexpr double kShared = 2.0;
-/// Of a group's weights or a band's coefficients: fewer are not counted as free, which would let a variance
+/// Fewest weights of a group, or coefficients of a band, that count as free: fewer would let a variance
 /// explode.
 constexpr double kFewestFree = 0.5;
 constexpr double kFewestDetermined = 0.1;
@@ -54,7 +54,7 @@ struct Evidence::Solution {
   double score = 0.0;
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
-  // Of each joint: weights, their covariance, and minus their covariance with the parameters.
+  // Weights of each joint, their covariance, and minus their covariance with the parameters.
   std::vector<Eigen::VectorXd> weights;
   std::vector<Eigen::MatrixXd> own, cross;
 };

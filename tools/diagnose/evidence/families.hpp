@@ -31,7 +31,7 @@ struct Family {
   std::vector<std::string> contains{};
   /// At a point ν, as Columns.
   std::function<Eigen::MatrixXd(std::span<const double> nu)> columns;
-  /// Of the effect as model files name them.
+  /// Parameters of the effect, in the order in which model files name them.
   std::function<std::vector<double>(std::span<const double> c, std::span<const double> nu)> parameters;
   /// What the torque of a shape without a name depends on: "dq1", "time"; empty for an effect of the library.
   std::string variables{};

@@ -15,7 +15,7 @@ namespace {
 /// Torque of an effect beforehand, as a share of the load: physics has no scale of its own for machines from
 /// a desk's to a leg's size.
 constexpr double kUsualShare = 0.5;
-/// Of the load: what no torque sensor resolves.
+/// Share of the load that no torque sensor resolves.
 constexpr double kSensorShare = 1e-3;
 /// Shares of the target's power with which each group of other functions starts: a likelihood of levels may
 /// have several peaks, one of them where nothing is unknown.

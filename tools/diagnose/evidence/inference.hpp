@@ -32,7 +32,7 @@ struct Explanation {
   Posterior posterior;
   double score = 0.0;    ///< of the evidence, less what the choice among forms costs
   bool possible = true;  ///< no coefficient has a sign that physics forbids
-  /// Of each effect, what else could stand in its place: labels.
+  /// What else could stand in the place of each effect: labels.
   std::vector<std::vector<std::string>> equivalent;
 };
 

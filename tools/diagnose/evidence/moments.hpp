@@ -23,7 +23,7 @@ class Moments {
   /// Coefficients of one joint in a band; 0 where the recordings are too short for any.
   double coefficients(int band) const noexcept { return count_.front()[static_cast<std::size_t>(band)]; }
 
-  /// Of all bands.
+  /// Sum over all bands.
   double coefficients() const noexcept;
 
   /// Appends columns (rows as Dataset::Column) and returns the index of the first.

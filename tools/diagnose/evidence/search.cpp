@@ -21,7 +21,7 @@ constexpr int kRounds = 10;
 constexpr int kFewRounds = 4;
 /// Scale of other functions at which they are as good as absent.
 constexpr double kAbsent = 1e-10;
-/// Of its kind, by so much must a screened candidate not make things worse, nats.
+/// A screened candidate is looked at if it makes things worse by no more than this, nats.
 constexpr double kWorthALook = -3.0;
 
 bool holds(const std::vector<std::string>& kinds, const std::string& kind) {

@@ -8,7 +8,7 @@
 
 namespace patella::diagnose::evidence {
 
-/// Of the velocity's rms: over which a tanh turns a dry friction round.
+/// Share of the velocity's rms over which a tanh turns a dry friction round.
 inline constexpr double kTurningShare = 0.01;
 
 /// Value at sample `i` of a series.

@@ -11,10 +11,10 @@ inline constexpr double kSameEvidence = 3.0;
 /// Nats that functions of motion and time must bring together to count as structure. Their scales, some
 /// thirty, are free and cost nothing, so that they bring up to 10 where there is none.
 inline constexpr double kLeastStructure = 10.0;
-/// Of what was missing, the share (rms) from which structure without a name is something else that is
-/// missing; what is less is the difference between the form of a named effect and the machine's.
+/// Share (rms) of what was missing from which structure without a name is something else that is missing;
+/// what is less is the difference between the form of a named effect and the machine's.
 inline constexpr double kMaterialShare = 0.35;
-/// Of the rigid body's torque: no model of it is better than that, whatever sensors resolve.
+/// Error of the best rigid-body model as a share of its torque: no model is better, whatever sensors resolve.
 inline constexpr double kRigidDiscrepancy = 0.01;
 
 }  // namespace patella::diagnose::evidence::threshold
