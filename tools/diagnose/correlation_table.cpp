@@ -32,7 +32,8 @@ std::string cell(double correlation, bool diagonal) {
   if (!std::isfinite(correlation)) {
     return "<td>–</td>";
   }
-  const std::string text = fmt::format("{:.2f}", correlation);
+  // Not "-0.00".
+  const std::string text = fmt::format("{:.2f}", std::round(100.0 * correlation) / 100.0 + 0.0);
   return fmt::format("<td style=\"background:{}\">{}</td>", colourOf(correlation),
                      std::abs(correlation) > kStrongCorrelation ? "<b>" + text + "</b>" : text);
 }

@@ -32,7 +32,12 @@ std::string numbers(std::span<const double> values, int digits) {
 }
 
 std::string seriesText(const Series& series) {
-  std::string text = json{{"label", series.label}, {"colour", series.colour}, {"width", series.width}}.dump();
+  std::string text = json{
+      {"label", series.label},
+      {"colour", series.colour},
+      {"width", series.width},
+      {"dashed",
+       series.dashed}}.dump();
   text.pop_back();
   return text + ",\"x\":" + numbers(series.x, kDigitsX) + ",\"y\":" + numbers(series.y, kDigitsY) + "}";
 }

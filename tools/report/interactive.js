@@ -25,8 +25,7 @@
 
   /** Index of the first element that is not below the value. */
   function lowerBound(sorted, value) {
-    let low = 0;
-    let high = sorted.length;
+    let [low, high] = [0, sorted.length];
     while (low < high) {
       const middle = (low + high) >> 1;
       if (sorted[middle] < value) low = middle + 1;
@@ -106,9 +105,9 @@
       this.canvas.setAttribute("viewBox", `0 0 ${this.width} ${HEIGHT}`);
       this.x = new Scale(this.range, MARGIN.left, this.width - MARGIN.right, this.data.log_x);
       this.y = new Scale(this.visibleHeight(), HEIGHT - MARGIN.bottom, MARGIN.top, this.data.log_y);
-      const [width, height] = [this.width - MARGIN.left - MARGIN.right, HEIGHT - MARGIN.top - MARGIN.bottom];
-      const viewBox = `${MARGIN.left} ${MARGIN.top} ${width} ${height}`;
-      const plot = svg("svg", { x: MARGIN.left, y: MARGIN.top, width, height, viewBox });
+      const [x, y] = [MARGIN.left, MARGIN.top];
+      const [width, height] = [this.width - x - MARGIN.right, HEIGHT - y - MARGIN.bottom];
+      const plot = svg("svg", { x, y, width, height, viewBox: `${x} ${y} ${width} ${height}` });
       for (const shade of this.data.shades) plot.append(this.band(shade.from, shade.to, { fill: shade.colour }));
       const axes = this.axes(plot);
       for (const series of this.data.series) plot.append(this.curve(series));
@@ -131,9 +130,8 @@
     }
 
     band(from, to, attributes) {
-      const [left, right] = [this.x.pixel(from), this.x.pixel(to)];
-      const place = { x: left, width: Math.max(0, right - left), y: MARGIN.top, height: HEIGHT };
-      return svg("rect", { ...place, ...attributes });
+      const x = this.x.pixel(from);
+      return svg("rect", { x, width: this.x.pixel(to) - x, y: MARGIN.top, height: HEIGHT, ...attributes });
     }
 
     axes(plot) {
@@ -175,7 +173,8 @@
         d += `${pen}${this.x.pixel(x).toFixed(1)} ${this.y.pixel(y).toFixed(1)}`;
         pen = "L";
       });
-      return svg("path", { class: "curve", d, stroke: series.colour, "stroke-width": series.width });
+      const dashes = series.dashed ? "8 4" : "none";
+      return svg("path", { d, stroke: series.colour, "stroke-width": series.width, "stroke-dasharray": dashes });
     }
 
     press(event) {
@@ -198,7 +197,8 @@
         const ends = [this.start, at].map((pixel) => this.x.value(pixel)).sort((a, b) => a - b);
         this.marks.append(this.band(ends[0], ends[1], { class: "selection" }));
       }
-      this.values.replaceChildren(html("b", "", `${this.data.x_label.split(" / ")[0]} ${shortText(x)}`));
+      const [name, unit] = this.data.x_label.split(" / ");
+      this.values.replaceChildren(html("b", "", `${name.split(",")[0]} ${shortText(x)} ${unit ?? ""}`));
       for (const series of this.data.series) this.show(series, x);
       const left = at < this.width / 2;
       this.values.style.left = left ? `${at + 14}px` : "";
@@ -213,7 +213,7 @@
       const above = lowerBound(series.x, x);
       const nearest = x - (series.x[above - 1] ?? -Infinity) < (series.x[above] ?? Infinity) - x ? above - 1 : above;
       const y = series.y[nearest] ?? null;
-      const row = html("div", "key", `${series.label} ${shortText(y)}`);
+      const row = html("div", "key", `${series.label} ${shortText(y)} ${this.data.y_label.split(" / ").pop()}`);
       row.style.setProperty("--colour", series.colour);
       this.values.append(row);
       if (y === null) return;

@@ -166,8 +166,9 @@ def look_into(browser, check, pictures):
     values = browser.evaluate("document.querySelector('.values.shown')?.innerText ?? ''").splitlines()
     check(values and values[0].startswith("time"), f"the cursor's time is shown: {values[:1]}")
     for name, line in zip(names, values[1:] + [""] * len(names)):
-        number = line.removeprefix(name).strip()
-        check(line.startswith(name) and number not in ("", "–") and abs(float(number)) < 1e6, f"its value is shown: '{line}'")
+        number, _, unit = line.removeprefix(name).strip().partition(" ")
+        shown = line.startswith(name) and number not in ("", "–") and abs(float(number)) < 1e6 and unit
+        check(shown, f"a curve's value is shown with its unit: '{line}'")
     check(browser.evaluate("""(() => {
       const values = document.querySelector(".values.shown").getBoundingClientRect();
       const chart = document.querySelector("figure.live .chart").getBoundingClientRect();
