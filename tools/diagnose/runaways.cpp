@@ -63,8 +63,8 @@ void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate,
                    .limit = limit,
                    .words = parameterWords(what, units) + " " + words});
   };
-  const auto& [low, high] = range;
-  const auto& [from, to] = estimate.ci95;
+  const double low = range[0], high = range[1];
+  const double from = estimate.ci95[0], to = estimate.ci95[1];
   const auto touches = [&](double bound) {
     return std::isfinite(bound) &&
            std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));

@@ -136,7 +136,7 @@
 
     axes(plot) {
       const axes = svg("g", { class: "axes" });
-      const bottom = HEIGHT - MARGIN.bottom;
+      const [right, bottom] = [this.width - MARGIN.right, HEIGHT - MARGIN.bottom];
       const count = Math.max(2, this.width / 110);
       for (const value of ticks(this.range, count, this.data.log_x)) {
         const at = this.x.pixel(value);
@@ -151,9 +151,8 @@
       for (const level of this.data.levels) {
         const at = this.y.pixel(level.value);
         plot.append(svg("path", { class: "level", d: `M${MARGIN.left} ${at}H${this.width}` }));
-        plot.append(svg("text", { class: "level", x: this.width - MARGIN.right - 4, y: at - 4 }, level.label));
+        plot.append(svg("text", { class: "level", x: right - 4, y: Math.max(at - 4, MARGIN.top + 12) }, level.label));
       }
-      const right = this.width - MARGIN.right;
       axes.append(svg("path", { class: "frame", d: `M${MARGIN.left} ${MARGIN.top}V${bottom}H${right}` }));
       axes.append(svg("text", { x: (MARGIN.left + right) / 2, y: HEIGHT - 6 }, this.data.x_label));
       const upright = `translate(14 ${(MARGIN.top + bottom) / 2}) rotate(-90)`;
