@@ -343,6 +343,7 @@ class Procedure {
     result_.verdict = Verdict::kInsufficientExcitation;
     result_.explanation = reason;
     leaveAsItWas(*train_, heldout_, model_, result_);
+    result_.runaways = runawaysOf(result_, model_, fitOptions());
     return std::move(result_);
   }
 

@@ -8,6 +8,7 @@
 #include "tools/diagnose/correlation_table.hpp"
 #include "tools/diagnose/parameter_text.hpp"
 #include "tools/diagnose/residual_figures.hpp"
+#include "tools/diagnose/runaways.hpp"
 #include "tools/diagnose/selection_figures.hpp"
 #include "tools/diagnose/time_figures.hpp"
 #include "tools/report/gnuplot.hpp"
@@ -94,8 +95,15 @@ std::string verdictText(const Diagnosis& diagnosis) {
 }
 
 /// Element `joint` as text, or a dash.
-std::string numberAt(const std::vector<double>& values, std::size_t joint, double scale = 1.0) {
-  return joint < values.size() ? shortNumber(scale * values[joint]) : "–";
+std::string numberAt(const std::vector<double>& values, std::size_t joint) {
+  return joint < values.size() ? shortNumber(values[joint]) : "–";
+}
+
+/// Error over torque of a joint in percent, or a dash.
+std::string percentAt(const std::vector<double>& relative, std::size_t joint) {
+  constexpr double kPercent = 100.0;
+  return joint < relative.size() && relative[joint] < kNoTorque ? shortNumber(kPercent * relative[joint])
+                                                                : "–";
 }
 
 Table errorTable(const Diagnosis& diagnosis) {
@@ -105,12 +113,11 @@ Table errorTable(const Diagnosis& diagnosis) {
                          fmt::format("simulated {:.3g} s / {}", diagnosis.simulation_window_s,
                                      unitsOf(diagnosis).position)},
               .rows = {}};
-  constexpr double kPercent = 100.0;
   const auto add = [&](const char* words, const ErrorMeasure& error, std::size_t joint) {
-    table.rows.push_back(
-        {fmt::format("joint {}, {}", joint + 1, words), numberAt(error.train_rms_Nm, joint),
-         numberAt(error.heldout_rms_Nm, joint), numberAt(error.train_relative, joint, kPercent),
-         numberAt(error.heldout_relative, joint, kPercent), numberAt(error.simulation_rms_rad, joint)});
+    table.rows.push_back({fmt::format("joint {}, {}", joint + 1, words), numberAt(error.train_rms_Nm, joint),
+                          numberAt(error.heldout_rms_Nm, joint), percentAt(error.train_relative, joint),
+                          percentAt(error.heldout_relative, joint),
+                          numberAt(error.simulation_rms_rad, joint)});
   };
   for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
     add("model as given", diagnosis.before, joint);

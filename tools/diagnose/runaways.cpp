@@ -31,24 +31,24 @@ std::string withUnit(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
+// The larger one of the fitted and the held-out data.
 void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway>& all) {
-  const auto add = [&](const std::vector<double>& relative, const std::vector<double>& rms,
-                       const char* where) {
-    for (std::size_t joint = 0; joint < relative.size(); ++joint) {
-      if (relative[joint] > 1.0) {
-        all.push_back(
-            {.what = fmt::format("error@{}", joint + 1),
-             .nominal = rms[joint] / relative[joint],
-             .refitted = rms[joint],
-             .limit = 1.0,
-             .words = fmt::format("the error of joint {}, {}{}, is larger than its torque ({:.0f} %): "
-                                  "no model at all would do better",
-                                  joint + 1, model, where, kPercent * relative[joint])});
-      }
+  for (std::size_t joint = 0; joint < error.train_relative.size(); ++joint) {
+    const bool heldout =
+        joint < error.heldout_relative.size() && error.heldout_relative[joint] > error.train_relative[joint];
+    const double relative = (heldout ? error.heldout_relative : error.train_relative)[joint];
+    const double rms = (heldout ? error.heldout_rms_Nm : error.train_rms_Nm)[joint];
+    if (relative > 1.0 && relative < kNoTorque) {
+      all.push_back(
+          {.what = fmt::format("error@{}", joint + 1),
+           .nominal = rms / relative,
+           .refitted = rms,
+           .limit = 1.0,
+           .words = fmt::format("the error of joint {}, {}{}, is larger than its torque ({:.0f} %): "
+                                "no model at all would do better",
+                                joint + 1, model, heldout ? ", on held-out data" : "", kPercent * relative)});
     }
-  };
-  add(error.train_relative, error.train_rms_Nm, "");
-  add(error.heldout_relative, error.heldout_rms_Nm, ", on held-out data");
+  }
 }
 
 void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate, const Units& units,
@@ -176,7 +176,9 @@ std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDesc
                                 const FitOptions& tolerances) {
   std::vector<Runaway> all;
   addErrors("of the model as given", diagnosis.before, all);
-  addErrors("with what was found", diagnosis.after, all);
+  if (diagnosis.after.train_rms_Nm != diagnosis.before.train_rms_Nm) {
+    addErrors("with what was found", diagnosis.after, all);
+  }
   const Units units = unitsOf(diagnosis);
   for (const EffectFinding& effect : diagnosis.effects) {
     for (const ParameterEstimate& estimate : effect.parameters) {

@@ -46,6 +46,13 @@ TEST_CASE("a page says it all and needs nothing beside it") {
   CHECK(countOf(page, "class=\"curves\"") == 6);
 }
 
+TEST_CASE("where the drives rest, no error is relative to their torque") {
+  diagnose::Diagnosis diagnosis = test::madeUpPostures();
+  CHECK(diagnose::diagnosisPage(diagnosis).find("<td>0.1</td><td>–</td><td>2</td>") != std::string::npos);
+  diagnosis.before.train_relative[0] = 1e9;
+  CHECK(diagnose::diagnosisPage(diagnosis).find("<td>0.1</td><td>–</td><td>–</td>") != std::string::npos);
+}
+
 TEST_CASE("a page of postures, and one of nothing at all") {
   const std::string postures = diagnose::diagnosisPage(test::madeUpPostures());
   CHECK(postures.find("<h1>Nothing is missing</h1>") != std::string::npos);

@@ -72,17 +72,35 @@ TEST_CASE("zero is a place like any other for what may be negative and is no str
 TEST_CASE("an error above the torque is said in words, of the model as given and of what was found") {
   Diagnosis diagnosis = test::madeUpDiagnosis();
   diagnosis.before.train_relative[1] = 1.4;
+  diagnosis.before.heldout_relative[1] = 1.3;
   diagnosis.after.heldout_relative[0] = 1.25;
   const auto found = of(diagnosis);
   REQUIRE(found.size() == 2);
   CHECK(found[0].what == "error@2");
   CHECK(found[0].refitted == 2.31);
   CHECK(found[0].nominal == doctest::Approx(2.31 / 1.4));
-  CHECK(found[0].words.find(
-            "the error of joint 2, of the model as given, is larger than its torque (140 %)") == 0);
-  CHECK(found[1].words.find(
-            "joint 1, with what was found, on held-out data, is larger than its torque (125 %)") !=
-        std::string::npos);
+  CHECK(found[0].limit == 1.0);
+  CHECK(found[0].words ==
+        "the error of joint 2, of the model as given, is larger than its torque (140 %): no model at all "
+        "would do "
+        "better");
+  CHECK(found[1].words ==
+        "the error of joint 1, with what was found, on held-out data, is larger than its torque (125 %): no "
+        "model at "
+        "all would do better");
+}
+
+TEST_CASE("drives that rest have no torque to compare an error with") {
+  Diagnosis diagnosis = test::madeUpDiagnosis();
+  diagnosis.before.train_relative[1] = 1e9;
+  CHECK(of(diagnosis).empty());
+}
+
+TEST_CASE("a model that was left as it was is named once") {
+  Diagnosis diagnosis = test::madeUpDiagnosis();
+  diagnosis.before.train_relative[1] = 1.4;
+  diagnosis.after = diagnosis.before;
+  CHECK(of(diagnosis).size() == 1);
 }
 
 TEST_CASE("a mechanism's parameter outside its tolerance is named with both values") {
