@@ -69,6 +69,7 @@ th { padding: .12rem .3rem; text-align: left; color: #666; font-weight: normal; 
 .mark { display: inline-block; width: 1.25em; line-height: 1.25em; border-radius: 50%; text-align: center;
   background: #e69f00; color: #fff; font-size: .85em; cursor: help; }
 .heat { width: auto; }
+.heat td:first-child { white-space: normal; }
 .heat td + td, .heat th + th { min-width: 2.6rem; text-align: center; }
 .legend span { display: inline-block; padding: 0 .5rem; margin-right: .6rem; }
 @media print { body { background: #fff; } figure { break-inside: avoid; } }
