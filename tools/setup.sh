@@ -2,7 +2,7 @@
 # Installs what Patella needs from the distribution's packages (Debian 12 or 13, amd64 or arm64, as root).
 #
 #   tools/setup.sh          to build and run
-#   tools/setup.sh --test   also to test: second compiler, formatter, linter, reference libraries
+#   tools/setup.sh --test   also to test: second compiler, formatter, linter, reference libraries, browser
 #   tools/setup.sh --cross  also to build for arm64 and to run that under emulation; exit status 77 where that cannot be had
 set -euo pipefail
 

@@ -16,6 +16,7 @@ namespace patella::diagnose {
 namespace {
 
 constexpr std::size_t kShownEffects = 4;
+constexpr std::size_t kShownRunaways = 4;
 
 std::string effectLine(const EffectFinding& effect, const Units& units) {
   std::string line = "  " + effectWords(effect);
@@ -95,6 +96,12 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
   }
   for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
     out << errorLine(diagnosis, joint) << "\n";
+  }
+  const std::size_t twice = std::min(diagnosis.runaways.size(), kShownRunaways);
+  for (std::size_t i = 0; i < twice; ++i) {
+    const std::size_t more = i + 1 == twice ? diagnosis.runaways.size() - twice : 0;
+    out << "  to look at twice: " << diagnosis.runaways[i].words
+        << (more > 0 ? fmt::format("; and {} more in the report", more) : "") << "\n";
   }
   if (!diagnosis.warnings.empty()) {
     out << "  warning: " << diagnosis.warnings.front();

@@ -71,6 +71,15 @@ std::vector<std::vector<std::size_t>> usedGroups(const app::EffectDescription& e
 
 }  // namespace
 
+bool isStrength(std::string_view kind, std::string_view parameter) {
+  return std::any_of(strengths().begin(), strengths().end(), [&](const Strengths& known) {
+    return known.kind == kind &&
+           std::any_of(known.groups.begin(), known.groups.end(), [&](const auto& names) {
+             return std::find(names.begin(), names.end(), parameter) != names.end();
+           });
+  });
+}
+
 std::shared_ptr<const Recipe> declaredRecipe(const app::EffectDescription& effect) {
   const auto groups = usedGroups(effect);
   if (groups.empty()) {

@@ -10,6 +10,7 @@
 #include "tools/diagnose/before_and_after.hpp"
 #include "tools/diagnose/considered.hpp"
 #include "tools/diagnose/consistency.hpp"
+#include "tools/diagnose/correlations.hpp"
 #include "tools/diagnose/dependence.hpp"
 #include "tools/diagnose/drive_timing.hpp"
 #include "tools/diagnose/elementary.hpp"
@@ -23,6 +24,7 @@
 #include "tools/diagnose/late_drive.hpp"
 #include "tools/diagnose/model_error.hpp"
 #include "tools/diagnose/plausibility.hpp"
+#include "tools/diagnose/runaways.hpp"
 #include "tools/diagnose/selection.hpp"
 #include "tools/diagnose/torque_timing.hpp"
 #include "tools/diagnose/unknown_rest.hpp"
@@ -125,6 +127,7 @@ class Procedure {
     if (result_.explanation.empty()) {
       result_.explanation = explanation(result_, options_.nominal_tolerance);
     }
+    result_.runaways = runawaysOf(result_, model_, fitOptions());
     return std::move(result_);
   }
 
@@ -308,15 +311,8 @@ class Procedure {
     } else {
       result_.verdict = Verdict::kNothingMissing;
     }
-    for (std::size_t i = 0; i < fitter.mechanismNames().size(); ++i) {
-      const double value = fitter.mechanismValues()[i];
-      const double ratio = std::exp(selection.fit.mechanism[i]);
-      const auto row = static_cast<Eigen::Index>(i);
-      result_.nominal.push_back({.name = fitter.mechanismNames()[i],
-                                 .nominal = value,
-                                 .refitted = value * ratio,
-                                 .sd = value * ratio * std::sqrt(covariance(row, row))});
-    }
+    result_.nominal = refittedParameters(fitter, selection.fit, covariance);
+    result_.correlations = correlationsOf(selection.fit, fitter.mechanismNames(), covariance);
   }
 
   // What found effects explain includes what the declared ones did that they replaced.
@@ -347,6 +343,7 @@ class Procedure {
     result_.verdict = Verdict::kInsufficientExcitation;
     result_.explanation = reason;
     leaveAsItWas(*train_, heldout_, model_, result_);
+    result_.runaways = runawaysOf(result_, model_, fitOptions());
     return std::move(result_);
   }
 

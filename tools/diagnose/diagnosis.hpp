@@ -26,6 +26,7 @@ struct ParameterEstimate {
   double value = 0.0;
   std::array<double, 2> ci95{};
   bool by_factor = false;  ///< a positive number, whose interval lies about it in logarithms
+  bool at_bound = false;   ///< the fit stopped at the end of the range in which it may look
 };
 
 struct EffectFinding {
@@ -42,13 +43,20 @@ struct EffectFinding {
   std::string separating_motion;  ///< what would tell them apart; empty where nothing needs it
 };
 
+/// Motion of a joint (m for a prismatic one) simulated over windows that start at measured states, thinned; a
+/// row of NaN stands behind each window.
+struct SimulatedMotion {
+  std::vector<double> time_s, measured_rad, simulated_rad;
+};
+
 /// Errors of the inverse dynamics (torque, N·m; N for a prismatic joint), per joint.
 struct ErrorMeasure {
   std::vector<double> train_rms_Nm;
   std::vector<double> heldout_rms_Nm;
   std::vector<double> train_relative;  ///< ‖residual‖ / ‖torque‖ in the analysis band
   std::vector<double> heldout_relative;
-  std::vector<double> simulation_rms_rad;  ///< forward simulation from measured states, held-out data
+  std::vector<double> simulation_rms_rad;    ///< forward simulation from measured states, held-out data
+  std::vector<SimulatedMotion> simulated{};  ///< its curves, for the pictures
 };
 
 /// One bar of the ranking: what adding this candidate next would have bought.
@@ -88,6 +96,21 @@ struct RefittedParameter {
   double sd = 0.0;
 };
 
+/// Of the errors of the parameters that were fitted together.
+struct Correlations {
+  std::vector<std::string> parameters;      ///< "mass_kg[1]", "coulomb_friction@1 level_Nm"
+  std::vector<std::vector<double>> matrix;  ///< −1…1; NaN where nothing is uncertain
+};
+
+/// A number that a reader has to look at twice: at its bound, unknown, or out of its tolerance.
+struct Runaway {
+  std::string what;       ///< "mass_kg[1]", "coulomb_friction@1 level_Nm", "error@1"
+  double nominal = 0.0;   ///< declared or given; NaN for what the model did not hold
+  double refitted = 0.0;  ///< NaN where it vanished
+  double limit = 0.0;     ///< tolerance (relative) or bound that it met; NaN where there is none
+  std::string words;      ///< one sentence for people
+};
+
 /// Curves for the pictures, in the analysis band and at its rate.
 struct JointCurves {
   std::vector<double> time_s;
@@ -123,6 +146,8 @@ struct Diagnosis {
   Excitation excitation;
   std::vector<Dependence> unexplained;
   std::vector<RefittedParameter> nominal;
+  Correlations correlations;
+  std::vector<Runaway> runaways;
   std::vector<DriveTiming> drive_timing;  ///< where commanded and measured torque were both recorded
   std::vector<SelectionStep> steps;
   std::vector<std::string> warnings;

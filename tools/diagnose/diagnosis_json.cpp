@@ -78,6 +78,14 @@ Json describeNominal(const RefittedParameter& parameter) {
           {"sd", parameter.sd}};
 }
 
+Json describeRunaway(const Runaway& runaway) {
+  return {{"what", runaway.what},
+          {"nominal", runaway.nominal},
+          {"refitted", runaway.refitted},
+          {"limit", runaway.limit},
+          {"words", runaway.words}};
+}
+
 Json describeTiming(const DriveTiming& timing) {
   return {{"joint", timing.joint + 1},
           {"delay_s", timing.delay_s},
@@ -111,6 +119,9 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
   out["excitation"] = describeExcitation(diagnosis.excitation);
   out["unexplained"] = list(diagnosis.unexplained, describeUnexplained);
   out["nominal_parameters"] = list(diagnosis.nominal, describeNominal);
+  out["correlations"] = {{"parameters", diagnosis.correlations.parameters},
+                         {"matrix", diagnosis.correlations.matrix}};
+  out["runaways"] = list(diagnosis.runaways, describeRunaway);
   out["drive_timing"] = list(diagnosis.drive_timing, describeTiming);
   out["steps"] = list(diagnosis.steps, describeStep);
   out["warnings"] = diagnosis.warnings;

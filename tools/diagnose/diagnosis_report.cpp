@@ -5,9 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/correlation_table.hpp"
 #include "tools/diagnose/parameter_text.hpp"
 #include "tools/diagnose/residual_figures.hpp"
+#include "tools/diagnose/runaways.hpp"
 #include "tools/diagnose/selection_figures.hpp"
+#include "tools/diagnose/time_figures.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
 
@@ -40,6 +43,28 @@ std::string joinedWords(const std::vector<std::string>& labels) {
   return text;
 }
 
+/// A sign at a number that a reader has to look at twice, with the reasons; empty for others.
+std::string mark(const Diagnosis& diagnosis, const std::string& what) {
+  std::string reasons;
+  for (const Runaway& runaway : diagnosis.runaways) {
+    if (runaway.what == what) {
+      reasons += (reasons.empty() ? "" : "; ") + runaway.words;
+    }
+  }
+  return reasons.empty() ? "" : " <b class=\"mark\" title=\"" + escaped(reasons) + "\">!</b>";
+}
+
+std::string runawayText(const Diagnosis& diagnosis) {
+  if (diagnosis.runaways.empty()) {
+    return {};
+  }
+  std::string text = "<section class=\"runaways\">\n<h2>To look at twice</h2>\n<ul>\n";
+  for (const Runaway& runaway : diagnosis.runaways) {
+    text += "<li><b class=\"mark\">!</b> " + escaped(runaway.words) + "</li>\n";
+  }
+  return text + "</ul>\n</section>\n";
+}
+
 std::string verdictText(const Diagnosis& diagnosis) {
   std::string text = fmt::format(
       "<section class=\"verdict\" style=\"border-color:{}\">\n<h1>{}</h1>\n<p>{}</p>\n",
@@ -50,7 +75,9 @@ std::string verdictText(const Diagnosis& diagnosis) {
   for (const EffectFinding& effect : diagnosis.effects) {
     text += "<li><b>" + escaped(effectWords(effect)) + "</b>";
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
-      text += (i == 0 ? ": " : ", ") + escaped(estimateText(effect.parameters[i], unitsOf(diagnosis)));
+      const ParameterEstimate& estimate = effect.parameters[i];
+      text += (i == 0 ? ": " : ", ") + escaped(estimateText(estimate, unitsOf(diagnosis))) +
+              mark(diagnosis, fmt::format("{}@{} {}", effect.kind, effect.joint + 1, estimate.name));
     }
     text += fmt::format(" <span class=\"note\">p = {:.2g}, {:.4g} nats</span>", effect.p_value, effect.gain);
     if (!effect.indistinguishable_from.empty()) {
@@ -64,12 +91,19 @@ std::string verdictText(const Diagnosis& diagnosis) {
     }
     text += "</li>\n";
   }
-  return text + (diagnosis.effects.empty() ? "" : "</ul>\n") + "</section>\n";
+  return text + (diagnosis.effects.empty() ? "" : "</ul>\n") + "</section>\n" + runawayText(diagnosis);
 }
 
 /// Element `joint` as text, or a dash.
-std::string numberAt(const std::vector<double>& values, std::size_t joint, double scale = 1.0) {
-  return joint < values.size() ? shortNumber(scale * values[joint]) : "–";
+std::string numberAt(const std::vector<double>& values, std::size_t joint) {
+  return joint < values.size() ? shortNumber(values[joint]) : "–";
+}
+
+/// Error over torque of a joint in percent, or a dash.
+std::string percentAt(const std::vector<double>& relative, std::size_t joint) {
+  constexpr double kPercent = 100.0;
+  return joint < relative.size() && relative[joint] < kNoTorque ? shortNumber(kPercent * relative[joint])
+                                                                : "–";
 }
 
 Table errorTable(const Diagnosis& diagnosis) {
@@ -79,12 +113,11 @@ Table errorTable(const Diagnosis& diagnosis) {
                          fmt::format("simulated {:.3g} s / {}", diagnosis.simulation_window_s,
                                      unitsOf(diagnosis).position)},
               .rows = {}};
-  constexpr double kPercent = 100.0;
   const auto add = [&](const char* words, const ErrorMeasure& error, std::size_t joint) {
-    table.rows.push_back(
-        {fmt::format("joint {}, {}", joint + 1, words), numberAt(error.train_rms_Nm, joint),
-         numberAt(error.heldout_rms_Nm, joint), numberAt(error.train_relative, joint, kPercent),
-         numberAt(error.heldout_relative, joint, kPercent), numberAt(error.simulation_rms_rad, joint)});
+    table.rows.push_back({fmt::format("joint {}, {}", joint + 1, words), numberAt(error.train_rms_Nm, joint),
+                          numberAt(error.heldout_rms_Nm, joint), percentAt(error.train_relative, joint),
+                          percentAt(error.heldout_relative, joint),
+                          numberAt(error.simulation_rms_rad, joint)});
   };
   for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
     add("model as given", diagnosis.before, joint);
@@ -107,6 +140,7 @@ std::string nominalTable(const Diagnosis& diagnosis) {
     table.rows.push_back({parameter.name, fmt::format("{:.4g}", parameter.nominal),
                           fmt::format("{:.4g}", parameter.refitted), fmt::format("{:.2g}", parameter.sd),
                           std::isfinite(change) ? fmt::format("{:+.1f}", change) : "–"});
+    table.marks.push_back(mark(diagnosis, parameter.name));
   }
   return tableText(table);
 }
@@ -186,14 +220,16 @@ std::string provenance(const Diagnosis& diagnosis) {
 }  // namespace
 
 std::string diagnosisPage(const Diagnosis& diagnosis) {
-  std::vector<report::Figure> figures = selectionFigures(diagnosis);
-  std::vector<report::Figure> residuals = residualFigures(diagnosis);
-  figures.insert(figures.begin(), residuals.begin(), residuals.end());
+  std::vector<report::Figure> figures = timeFigures(diagnosis);
+  for (const auto& more : {residualFigures(diagnosis), selectionFigures(diagnosis)}) {
+    figures.insert(figures.end(), more.begin(), more.end());
+  }
   const std::vector<std::string> pictures = report::drawSvg(figures);
   std::string body = verdictText(diagnosis);
   body += "<h2>In numbers</h2>\n" + tableText(errorTable(diagnosis)) + "<div class=\"tables\">\n" +
           nominalTable(diagnosis) + unexplainedTable(diagnosis) + excitationTables(diagnosis) +
           timingTable(diagnosis) + "</div>\n";
+  body += correlationTable(diagnosis.correlations, unitsOf(diagnosis));
   body += report::figureSections(figures, pictures);
   body += "<h2>Origin</h2>\n" + provenance(diagnosis);
   return report::pageAround("Diagnosis: " + std::string(verdictWords(diagnosis.verdict)), body);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/recipe.hpp"
+#include "tools/diagnose/runaways.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -125,7 +126,7 @@ std::string explanation(const Diagnosis& diagnosis, double tolerance) {
           "After the nominal parameters were refitted, the residual is no more than noise.";
       const auto moved =
           std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(), [=](const RefittedParameter& p) {
-            return std::abs(std::log(p.refitted / p.nominal)) > 2.0 * tolerance;
+            return std::abs(std::log(p.refitted / p.nominal)) > kWithinTolerance * tolerance;
           });
       if (moved == diagnosis.nominal.end()) {
         return text;

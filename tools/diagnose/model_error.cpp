@@ -1,6 +1,7 @@
 #include "tools/diagnose/model_error.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "tools/diagnose/elementary.hpp"
 #include "tools/diagnose/simulation_error.hpp"
@@ -31,7 +32,9 @@ ErrorMeasure errorMeasure(const Dataset& train, const std::optional<Dataset>& he
     measure.heldout_rms_Nm = unseen.rms;
     measure.heldout_relative = unseen.relative;
     if (!heldout->isStatic()) {
-      measure.simulation_rms_rad = simulationError(*heldout, model, kSimulationWindow_s);
+      SimulationError simulated = simulationError(*heldout, model, kSimulationWindow_s);
+      measure.simulation_rms_rad = std::move(simulated.rms_rad);
+      measure.simulated = std::move(simulated.motion);
     }
   }
   return measure;

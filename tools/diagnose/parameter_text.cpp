@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include <fmt/format.h>
+
+#include "core/model/effect.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -82,6 +85,15 @@ std::string effectWords(const EffectFinding& effect) {
   return effectWords(effect.kind + "@" + std::to_string(effect.joint + 1));
 }
 
+std::string parameterWords(std::string_view name, const Units& units) {
+  if (const std::size_t space = name.find(' '); space != std::string_view::npos) {
+    return effectWords(name.substr(0, space)) + ": " + splitName(name.substr(space + 1), units).words;
+  }
+  const std::size_t index = std::min(name.find('['), name.size());
+  const std::string text = splitName(name.substr(0, index), units).words;
+  return index < name.size() ? text + " " + std::string(name.substr(index)) : text;
+}
+
 std::string valueWithInterval(double value, const std::array<double, 2>& interval) {
   const double width = interval[1] - interval[0];
   if (!(width > 0.0) || !std::isfinite(value)) {
@@ -110,6 +122,17 @@ std::string estimateText(const ParameterEstimate& estimate, const Units& units) 
 
 std::string shortNumber(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g}", value) : "–";
+}
+
+std::array<double, 2> physicalRange(std::string_view kind, std::string_view name) {
+  if (const model::EffectDescriptor* descriptor = model::findEffect(kind)) {
+    for (const model::EffectParameter& parameter : descriptor->parameters) {
+      if (parameter.name == name) {
+        return {parameter.minimum, parameter.maximum};
+      }
+    }
+  }
+  return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 }
 
 std::string_view verdictWords(Verdict verdict) noexcept {

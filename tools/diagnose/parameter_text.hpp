@@ -30,12 +30,19 @@ ParameterName splitName(std::string_view name, const Units& units = {});
 std::string effectWords(std::string_view label);
 std::string effectWords(const EffectFinding& effect);
 
+/// A fitted parameter's name: "coulomb_friction@1 level_Nm" as "coulomb friction on joint 1: level",
+/// "mass_kg[2]" as "mass [2]".
+std::string parameterWords(std::string_view name, const Units& units = {});
+
 /// As many digits as the interval supports: "1.52 [1.44, 1.60]".
 std::string valueWithInterval(double value, const std::array<double, 2>& interval);
 /// "level 1.52 [1.44, 1.60] N·m"
 std::string estimateText(const ParameterEstimate& estimate, const Units& units = {});
 /// Three significant digits; "–" for what is not a number.
 std::string shortNumber(double value);
+
+/// Where an effect's parameter may lie physically; unlimited where the library does not know it.
+std::array<double, 2> physicalRange(std::string_view kind, std::string_view name);
 
 /// "an effect was found" …
 std::string_view verdictWords(Verdict verdict) noexcept;

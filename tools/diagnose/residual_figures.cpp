@@ -5,7 +5,6 @@
 #include <cctype>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "tools/diagnose/parameter_text.hpp"
 #include "tools/diagnose/residual_analysis.hpp"
 #include "tools/diagnose/residual_variables.hpp"
+#include "tools/diagnose/time_figures.hpp"
 #include "tools/report/reduction.hpp"
 
 namespace patella::diagnose {
@@ -21,13 +21,11 @@ namespace {
 using report::Figure;
 using report::Series;
 
-constexpr const char* kBefore = "#D55E00";
-constexpr const char* kAfter = "#0072B2";
+constexpr const char* kBefore = colour::kBefore;
+constexpr const char* kAfter = colour::kAfter;
 constexpr const char* kBeforePale = "#F3C3A0";
 constexpr const char* kAfterPale = "#A5CDE8";
-constexpr const char* kHeldOutShade = "#EEF1F4";
 
-constexpr std::size_t kCurvePoints = 700;
 constexpr std::size_t kScatterPoints = 800;
 constexpr std::size_t kBins = 25;
 constexpr double kLongestLag_s = 2.0;
@@ -42,60 +40,6 @@ std::string jointWords(int joint) {
 
 std::string residualLabel(const Diagnosis& diagnosis) {
   return "(drive − model) / " + unitsOf(diagnosis).torque;
-}
-
-/// Stretches apart, each thinned to what a picture can show.
-Series overTime(const Layout& layout, const std::vector<double>& values, const char* label,
-                const char* colour) {
-  Series series;
-  series.label = label;
-  series.colour = colour;
-  const std::span<const double> x(layout.time_s);
-  const std::span<const double> y(values);
-  for (const Segment& stretch : layout.stretches) {
-    const std::size_t count = stretch.end - stretch.first;
-    const std::size_t share = std::max<std::size_t>(2, kCurvePoints * count / values.size());
-    Series part;
-    report::addEnvelope(part, x.subspan(stretch.first, count), y.subspan(stretch.first, count), share);
-    series.x.insert(series.x.end(), part.x.begin(), part.x.end());
-    series.y.insert(series.y.end(), part.y.begin(), part.y.end());
-    series.x.push_back(series.x.back());
-    series.y.push_back(std::nan(""));
-  }
-  return series;
-}
-
-double rmsOf(const std::vector<double>& values) {
-  const double squares = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
-  return std::sqrt(squares / static_cast<double>(values.size()));
-}
-
-Figure timeFigure(const Diagnosis& diagnosis, int joint, const Layout& layout) {
-  const JointCurves& curves = curvesOf(diagnosis, joint);
-  Figure figure;
-  figure.section = "Residual over time";
-  figure.wide = true;
-  figure.title = "Residual of " + jointWords(joint);
-  figure.y_label = residualLabel(diagnosis);
-  figure.x_range = {layout.time_s.front(), layout.time_s.back()};
-  if (layout.time_s != curves.time_s) {
-    figure.x_label = "time, one stretch after the other / s";
-  }
-  for (std::size_t i = 0; i < curves.heldout.size(); ++i) {
-    if (!curves.heldout[i]) {
-      continue;
-    }
-    if (i == 0 || !curves.heldout[i - 1]) {
-      figure.shades.push_back({.from = layout.time_s[i], .to = layout.time_s[i], .colour = kHeldOutShade});
-    }
-    figure.shades.back().to = layout.time_s[i];
-  }
-  figure.title += fmt::format(", rms {} → {} {}{}", shortNumber(rmsOf(curves.residual_before_Nm)),
-                              shortNumber(rmsOf(curves.residual_after_Nm)), unitsOf(diagnosis).torque,
-                              figure.shades.empty() ? "" : " (shaded: held out)");
-  figure.series.push_back(overTime(layout, curves.residual_before_Nm, "model as given", kBefore));
-  figure.series.push_back(overTime(layout, curves.residual_after_Nm, "with what was found", kAfter));
-  return figure;
 }
 
 Series points(const std::vector<double>& x, const std::vector<double>& y, const char* colour) {
@@ -282,13 +226,6 @@ std::optional<Figure> autocorrelationFigure(const Diagnosis& diagnosis, int join
   return figure;
 }
 
-bool isAtRest(const Diagnosis& diagnosis) {
-  return std::all_of(diagnosis.curves.begin(), diagnosis.curves.end(), [](const JointCurves& curves) {
-    return std::all_of(curves.velocity_rad_s.begin(), curves.velocity_rad_s.end(),
-                       [](double velocity) { return velocity == 0.0; });
-  });
-}
-
 }  // namespace
 
 std::vector<Figure> residualFigures(const Diagnosis& diagnosis) {
@@ -304,9 +241,6 @@ std::vector<Figure> residualFigures(const Diagnosis& diagnosis) {
       figures.push_back(std::move(*figure));
     }
   };
-  for (int joint = 0; joint < joints && !at_rest; ++joint) {
-    add(timeFigure(diagnosis, joint, layout));
-  }
   for (const EffectFinding& effect : diagnosis.effects) {
     add(effectFigure(diagnosis, effect, layout));
   }

@@ -8,9 +8,8 @@
 
 namespace patella::diagnose {
 
-/// Residuals before and after: over time, against the variable in which each effect found shows (or what the
-/// rest depends on, or else velocity), their spectra and autocorrelations. Postures at rest have no figures
-/// over time.
+/// Residuals before and after: against the variable in which each effect found shows (or what the rest
+/// depends on, or else velocity), their spectra and autocorrelations. Postures at rest have no spectra.
 std::vector<report::Figure> residualFigures(const Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose

@@ -100,6 +100,13 @@ Layout layoutOf(const JointCurves& curves, double rate_Hz) {
   return layout;
 }
 
+bool isAtRest(const Diagnosis& diagnosis) {
+  return std::all_of(diagnosis.curves.begin(), diagnosis.curves.end(), [](const JointCurves& curves) {
+    return std::all_of(curves.velocity_rad_s.begin(), curves.velocity_rad_s.end(),
+                       [](double velocity) { return velocity == 0.0; });
+  });
+}
+
 Variable betrayedBy(const Diagnosis& diagnosis, const EffectFinding& finding) {
   Variable variable{.kind = kindOf(finding.kind), .index = finding.joint};
   if (variable.kind == Variable::Kind::kTime) {

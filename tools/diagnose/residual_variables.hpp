@@ -20,6 +20,9 @@ struct Layout {
 
 Layout layoutOf(const JointCurves& curves, double rate_Hz);
 
+/// Postures, which have no order in time.
+bool isAtRest(const Diagnosis& diagnosis);
+
 struct Variable {
   enum class Kind { kPosition, kVelocity, kAcceleration, kTorque, kTorqueRate, kTime, kActivation };
   Kind kind = Kind::kVelocity;

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
-#include "core/model/effect.hpp"
 #include "tools/diagnose/parameter_text.hpp"
 
 namespace patella::diagnose {
@@ -82,26 +80,21 @@ Figure rankingFigure(const SelectionStep& step, std::size_t number) {
   return figure;
 }
 
-/// Where a parameter may lie physically; unlimited where the kind is not of the library.
-std::array<double, 2> physicalRange(const std::string& kind, const std::string& name) {
-  if (const model::EffectDescriptor* descriptor = model::findEffect(kind)) {
-    for (const model::EffectParameter& parameter : descriptor->parameters) {
-      if (parameter.name == name) {
-        return {parameter.minimum, parameter.maximum};
-      }
-    }
-  }
-  return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-}
-
 struct Row {
   std::string name;
   std::array<double, 2> interval_percent;  ///< of the estimate, from it
   std::array<double, 2> range_percent;
   std::string text;
+  bool twice;  ///< among the diagnosis' runaways
 };
 
-Row rowOf(const EffectFinding& effect, const ParameterEstimate& estimate, const Units& units) {
+bool isRunaway(const Diagnosis& diagnosis, const std::string& what) {
+  return std::any_of(diagnosis.runaways.begin(), diagnosis.runaways.end(),
+                     [&](const Runaway& runaway) { return runaway.what == what; });
+}
+
+Row rowOf(const Diagnosis& diagnosis, const EffectFinding& effect, const ParameterEstimate& estimate) {
+  const Units units = unitsOf(diagnosis);
   const ParameterName name = splitName(estimate.name, units);
   const std::array<double, 2> range = physicalRange(effect.kind, estimate.name);
   // An estimate of nothing is compared with its own interval.
@@ -113,7 +106,8 @@ Row rowOf(const EffectFinding& effect, const ParameterEstimate& estimate, const 
       .interval_percent = {percent(estimate.ci95[0]), percent(estimate.ci95[1])},
       .range_percent = {percent(range[0]), percent(range[1])},
       .text = fmt::format("{} {}   (physical: {:.4g} … {:.4g})",
-                          valueWithInterval(estimate.value, estimate.ci95), name.unit, range[0], range[1])};
+                          valueWithInterval(estimate.value, estimate.ci95), name.unit, range[0], range[1]),
+      .twice = isRunaway(diagnosis, fmt::format("{}@{} {}", effect.kind, effect.joint + 1, estimate.name))};
 }
 
 /// 1, 2 or 5 times a power of ten, two to five of them in the span.
@@ -127,7 +121,7 @@ std::vector<Figure> parameterFigures(const Diagnosis& diagnosis) {
   std::vector<Row> rows;
   for (const EffectFinding& effect : diagnosis.effects) {
     for (const ParameterEstimate& estimate : effect.parameters) {
-      rows.push_back(rowOf(effect, estimate, unitsOf(diagnosis)));
+      rows.push_back(rowOf(diagnosis, effect, estimate));
     }
   }
   if (rows.empty()) {
@@ -145,7 +139,9 @@ std::vector<Figure> parameterFigures(const Diagnosis& diagnosis) {
   const double side = 1.15 * std::min(widest, kWidest_percent);
   Figure figure;
   figure.section = "Parameters found, with 95 % intervals";
-  figure.title = "Distance from the estimate (blue: 95 % interval; red: end of the physical range)";
+  figure.title =
+      "Distance from the estimate (blue: 95 % interval; amber: to look at twice; red: end of the physical "
+      "range)";
   figure.x_label = "% of the estimate";
   figure.wide = true;
   figure.x_range = {-side, 2.6 * side};
@@ -161,7 +157,7 @@ std::vector<Figure> parameterFigures(const Diagnosis& diagnosis) {
     figure.bars.push_back({.row = i,
                            .from = std::max(-side, row.interval_percent[0]),
                            .to = std::min(side, row.interval_percent[1]),
-                           .colour = kInterval});
+                           .colour = row.twice ? kRefused : kInterval});
     figure.row_marks.push_back({.row = i, .at = 0.0, .colour = kEstimate});
     for (const double end : row.range_percent) {
       if (std::abs(end) < side) {

@@ -2,17 +2,22 @@
 // effects with a memory.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "firmware_app/files/model_file.hpp"
 #include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/diagnosis.hpp"
 
 namespace patella::diagnose {
 
-/// Root mean square of the position error per joint, rad, over windows that start at measured states and run
-/// on the measured torque. Windows in which the motion diverges count with `kLargest_rad`.
+struct SimulationError {
+  std::vector<double> rms_rad;  ///< of each joint's position error; NaN where no window fits
+  std::vector<SimulatedMotion> motion;
+};
+
+/// Simulates windows that start at measured states and run on the measured torque. Where the motion diverges,
+/// its error counts as `kLargest_rad`.
 inline constexpr double kLargest_rad = 10.0;
-std::vector<double> simulationError(const Dataset& data, const app::ModelDescription& model, double window_s);
+SimulationError simulationError(const Dataset& data, const app::ModelDescription& model, double window_s);
 
 }  // namespace patella::diagnose

@@ -84,6 +84,8 @@ struct Figure {
   bool log_x = false;
   bool log_y = false;
   bool wide = false;  ///< takes the whole width of the page
+  /// Curves of the left axis, without steps, dots and error bars, that a page lets its reader look into.
+  bool zoom = false;
 };
 
 }  // namespace patella::report

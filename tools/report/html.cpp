@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/report/interactive.hpp"
+
 namespace patella::report {
 namespace {
 
@@ -23,12 +25,35 @@ h2 { font-size: 1.1rem; margin: 1.6rem 0 .6rem; }
 figure { margin: 0; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .3rem; }
 figure.wide { grid-column: 1 / -1; }
 svg { display: block; width: 100%; height: auto; }
+figure.live { position: relative; }
+.live > svg:not(.chart) { display: none; }
+.chart { cursor: crosshair; touch-action: pan-y; user-select: none; height: 300px; }
+.chart text { font-size: 12px; fill: #444; text-anchor: middle; }
+.chart .y.tick, .chart text.level { text-anchor: end; }
+.chart path { fill: none; }
+.chart .grid { stroke: #e8e8e8; }
+.chart .frame { stroke: #777; }
+.chart path.level { stroke: #b00020; stroke-dasharray: 6 4; }
+.chart text.level { fill: #b00020; }
+.chart .cursor { stroke: #999; }
+.chart .selection { fill: #0072b2; fill-opacity: .15; }
+figcaption { padding: .2rem .5rem; }
+.key { margin-left: 1rem; white-space: nowrap; }
+.key::before { content: ""; display: inline-block; width: 1.1em; height: .2em; margin-right: .35em;
+  vertical-align: middle; background: var(--colour); }
+.hint { float: right; color: #888; font-size: .85em; }
+.values { position: absolute; display: none; pointer-events: none; background: #fffffff0; border: 1px solid #bbb;
+  border-radius: 4px; padding: .3rem .6rem; font-size: .85rem; font-variant-numeric: tabular-nums; }
+.values.shown { display: block; }
+.values .key { margin: 0; }
 .tables { columns: 30rem; column-gap: 1rem; }
-.group { break-inside: avoid; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .5rem .8rem;
+.group { break-inside: avoid; overflow-x: auto; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .5rem .8rem;
   margin: 0 0 .8rem; }
 h3 { font-size: .95rem; margin: 0 0 .3rem; color: #0072b2; }
 table { border-collapse: collapse; width: 100%; }
-td { padding: .12rem .3rem; border-top: 1px solid #eee; vertical-align: top; overflow-wrap: anywhere; }
+td { padding: .12rem .3rem; border-top: 1px solid #eee; vertical-align: top; overflow-wrap: break-word; }
+/* Long values give way, and never a column beside them. */
+table:not(.grid) td:last-child { overflow-wrap: anywhere; }
 td:last-child, .grid td + td, .grid th + th { text-align: right; font-variant-numeric: tabular-nums; }
 .words td:last-child { text-align: left; }
 .grid td:first-child { white-space: nowrap; }
@@ -38,6 +63,14 @@ th { padding: .12rem .3rem; text-align: left; color: #666; font-weight: normal; 
 .verdict p { font-size: 1.15rem; margin: .3rem 0; }
 .verdict ul { font-size: 1.15rem; margin: .5rem 0; }
 .note { color: #666; }
+.runaways { background: #fff; border-left: .5rem solid #e69f00; margin-top: .8rem; padding: .3rem 1.2rem; }
+.runaways h2 { margin: .4rem 0; }
+.runaways ul { list-style: none; margin: .3rem 0; padding: 0; }
+.mark { display: inline-block; width: 1.25em; line-height: 1.25em; border-radius: 50%; text-align: center;
+  background: #e69f00; color: #fff; font-size: .85em; cursor: help; }
+.heat { width: auto; }
+.heat td:first-child { white-space: normal; }
+.heat td + td, .heat th + th { min-width: 2.6rem; text-align: center; }
 .legend span { display: inline-block; padding: 0 .5rem; margin-right: .6rem; }
 @media print { body { background: #fff; } figure { break-inside: avoid; } }
 </style>
@@ -126,30 +159,31 @@ std::string figureSections(std::span<const Figure> figures, std::span<const std:
               "</h2>\n<div class=\"figures\">\n";
     }
     text += std::string("<figure") + (figures[i].wide ? " class=\"wide\"" : "") + ">\n" + pictures[i] +
-            "</figure>\n";
+            (figures[i].zoom ? curveElement(figures[i]) : std::string()) + "</figure>\n";
   }
   return text + (figures.empty() ? "" : "</div>\n");
 }
 
 std::string tableText(const Table& table) {
-  const auto row = [](const std::vector<std::string>& cells, const std::string& tag) {
+  const auto row = [](const std::vector<std::string>& cells, const std::string& tag,
+                      const std::string& mark) {
     std::string text = "<tr>";
-    for (const std::string& cell : cells) {
-      text += "<" + tag + ">" + escaped(cell) + "</" + tag + ">";
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      text += "<" + tag + ">" + escaped(cells[i]) + (i == 0 ? mark : "") + "</" + tag + ">";
     }
     return text + "</tr>\n";
   };
   std::string text = "<div class=\"group\"><h3>" + escaped(table.title) + "</h3>\n<table class=\"" +
-                     (table.words ? "words" : "grid") + "\">\n" + row(table.header, "th");
-  for (const std::vector<std::string>& cells : table.rows) {
-    text += row(cells, "td");
+                     (table.words ? "words" : "grid") + "\">\n" + row(table.header, "th", "");
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    text += row(table.rows[i], "td", i < table.marks.size() ? table.marks[i] : "");
   }
   return text + "</table></div>\n";
 }
 
 std::string pageAround(const std::string& title, const std::string& body) {
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<title>" + escaped(title) + "</title>\n" + kHead +
-         "</head>\n<body>\n<main>\n" + body + "</main>\n</body>\n</html>\n";
+         "</head>\n<body>\n<main>\n" + body + "</main>\n" + scriptElement(body) + "</body>\n</html>\n";
 }
 
 std::string reportPage(const std::string& title, std::span<const Figure> figures,

@@ -26,9 +26,10 @@ struct Table {
   std::vector<std::string> header;  ///< as many cells as the rows
   std::vector<std::vector<std::string>> rows;
   bool words = false;  ///< columns hold words rather than numbers, which are aligned at the right
+  std::vector<std::string> marks{};  ///< HTML behind the first cell of each row; empty: none
 };
 std::string tableText(const Table& table);
-/// A whole page around `body`, which is HTML.
+/// A whole page around `body`, which is HTML, with the script of the figures that can be looked into.
 std::string pageAround(const std::string& title, const std::string& body);
 
 }  // namespace patella::report

@@ -336,6 +336,7 @@ std::vector<Figure> makePanels(const app::CsvTable& ticks, const nlohmann::json&
   const std::vector<Shade> background = shades(curves);
   for (Figure& figure : figures) {
     figure.shades = background;
+    figure.zoom = figure.right_label.empty();
     if (!figure.x_range) {
       figure.x_range = {curves.time().front(), curves.time().back()};
     }

@@ -27,19 +27,22 @@ TEST_CASE("an answer has the verdict, parameters, rivals, errors and the way to 
         "coulomb friction on joint 2: level 1.48 [1.42, 1.54] N·m",
         "(p = 0.002); or presliding hysteresis, viscous friction on joint 1 + torque bias",
         "error of joint 2 on held-out data, N·m: 2.4 as given, 1.3 refitted, 0.06 extended; noise floor 0.05",
-        "clipped at 12", "files in out/knee: report.html, diagnosis.json, model.extended.toml"}) {
+        "to look at twice: the model's mass left its tolerance\n", "clipped at 12",
+        "files in out/knee: report.html, diagnosis.json, model.extended.toml"}) {
     CAPTURE(part);
     CHECK(text.find(part) != std::string::npos);
   }
 }
 
-TEST_CASE("an answer has ten lines at most") {
+TEST_CASE("an answer has fourteen lines at most") {
   diagnose::Diagnosis many = test::madeUpDiagnosis();
   many.effects.resize(9, many.effects.front());
   many.warnings.resize(20, "something");
+  many.runaways.resize(9, many.runaways.front());
   const std::string text = answer(many);
-  CHECK(std::count(text.begin(), text.end(), '\n') == 10);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 14);
   CHECK(text.find("and 5 more\n") != std::string::npos);
+  CHECK(text.find("; and 5 more in the report\n") != std::string::npos);
   CHECK(text.find("and 19 more in the report") != std::string::npos);
 }
 

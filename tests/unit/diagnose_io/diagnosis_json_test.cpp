@@ -23,8 +23,9 @@ TEST_CASE("every key is there, in the promised order") {
     keys.push_back(key);
   }
   CHECK(keys == std::vector<std::string>{"verdict", "explanation", "effects", "error", "simulation_error",
-                                         "excitation", "unexplained", "nominal_parameters", "drive_timing",
-                                         "steps", "warnings", "seed", "inputs", "versions"});
+                                         "excitation", "unexplained", "nominal_parameters", "correlations",
+                                         "runaways", "drive_timing", "steps", "warnings", "seed", "inputs",
+                                         "versions"});
 }
 
 TEST_CASE("an effect has its parameters by name, and counts joints from 1") {
@@ -78,12 +79,24 @@ TEST_CASE("the way to the answer is told") {
   }
 }
 
+TEST_CASE("what to look at twice is plain data, as are correlations") {
+  const json out = written();
+  REQUIRE(out["runaways"].size() == 2);
+  CHECK(out["runaways"][0]["what"] == "coulomb_friction@2 level_Nm");
+  CHECK(out["runaways"][0]["nominal"].is_null());
+  CHECK(out["runaways"][0]["refitted"] == 1.48);
+  CHECK(out["runaways"][1]["limit"] == 0.01);
+  CHECK(out["runaways"][1]["words"] == "the model's mass left its tolerance");
+  CHECK(out["correlations"]["parameters"][1] == "linear_stiffness@2 stiffness_Nm_rad");
+  CHECK(out["correlations"]["matrix"][1] == json{0.95, 1.0, -0.3});
+}
+
 TEST_CASE("an empty diagnosis has empty lists, and any bytes may be in a path") {
   diagnose::Diagnosis nothing;
   nothing.inputs = {{.path = "f\xffle.csv", .sha256 = ""}};
   const json out = json::parse(diagnose::diagnosisText(nothing));
   for (const char* key :
-       {"effects", "unexplained", "nominal_parameters", "drive_timing", "steps", "warnings"}) {
+       {"effects", "unexplained", "nominal_parameters", "runaways", "drive_timing", "steps", "warnings"}) {
     CAPTURE(key);
     CHECK(out[key].is_array());
     CHECK(out[key].empty());

@@ -56,6 +56,22 @@ std::vector<JointCurves> someCurves() {
   return curves;
 }
 
+/// Windows of two recordings, simulated by a model that strays by this.
+std::vector<SimulatedMotion> someMotion(double error_rad) {
+  SimulatedMotion motion;
+  for (const double from_s : {14.0, 14.5, 8.4, 8.9}) {
+    for (double in_s = 0.0; in_s < 0.5; in_s += 0.02) {
+      motion.time_s.push_back(from_s + in_s);
+      motion.measured_rad.push_back(-0.8 + 0.6 * std::sin(2.0 * (from_s + in_s)));
+      motion.simulated_rad.push_back(motion.measured_rad.back() + error_rad * in_s);
+    }
+    motion.time_s.push_back(motion.time_s.back());
+    motion.measured_rad.push_back(std::nan(""));
+    motion.simulated_rad.push_back(std::nan(""));
+  }
+  return {motion, motion};
+}
+
 std::vector<SelectionStep> someSteps() {
   return {{.ranking = {{.label = "linear_stiffness@2",
                         .gain = 2100.0,
@@ -137,7 +153,8 @@ Diagnosis madeUpDiagnosis() {
               .heldout_rms_Nm = {0.22, 2.4},
               .train_relative = {0.01, 0.31},
               .heldout_relative = {0.011, 0.32},
-              .simulation_rms_rad = {0.002, 0.31}};
+              .simulation_rms_rad = {0.002, 0.31},
+              .simulated = someMotion(0.4)};
   d.refitted = {.train_rms_Nm = {0.2, 1.2},
                 .heldout_rms_Nm = {0.21, 1.3},
                 .train_relative = {0.01, 0.16},
@@ -147,7 +164,8 @@ Diagnosis madeUpDiagnosis() {
              .heldout_rms_Nm = {0.2, 0.06},
              .train_relative = {0.01, 0.007},
              .heldout_relative = {0.01, 0.008},
-             .simulation_rms_rad = {0.002, std::numeric_limits<double>::quiet_NaN()}};
+             .simulation_rms_rad = {0.002, std::numeric_limits<double>::quiet_NaN()},
+             .simulated = someMotion(0.02)};
   d.noise_floor_Nm = {0.19, 0.05};
   d.simulation_window_s = 0.5;
   d.excitation = {.position_range_rad = {1.2, 1.2},
@@ -156,6 +174,19 @@ Diagnosis madeUpDiagnosis() {
                   .not_identifiable = {"torque_gain@1"}};
   d.unexplained = {{.joint = 0, .variable = "ddq1*q1", .explained_Nm = 0.02, .p_value = 0.02}};
   d.nominal = {{.name = "mass_kg.1", .nominal = 7.2, .refitted = 7.31, .sd = 0.08}};
+  d.correlations = {
+      .parameters = {"mass_kg[1]", "linear_stiffness@2 stiffness_Nm_rad", "coulomb_friction@2 level_Nm"},
+      .matrix = {{1.0, 0.95, 0.1}, {0.95, 1.0, -0.3}, {0.1, -0.3, 1.0}}};
+  d.runaways = {{.what = "coulomb_friction@2 level_Nm",
+                 .nominal = std::numeric_limits<double>::quiet_NaN(),
+                 .refitted = 1.48,
+                 .limit = 0.0,
+                 .words = "coulomb friction on joint 2: level <may be> zero"},
+                {.what = "mass_kg.1",
+                 .nominal = 7.2,
+                 .refitted = 7.31,
+                 .limit = 0.01,
+                 .words = "the model's mass left its tolerance"}};
   d.drive_timing = {{.joint = 1,
                      .delay_s = 0.003,
                      .lag_s = 0.008,

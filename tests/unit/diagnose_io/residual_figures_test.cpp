@@ -74,18 +74,6 @@ TEST_CASE("what is left is drawn alone, against what it depends on") {
   figureWith(dependsOn("activation3"), "Residual of joint 1, activation3", "activation of EMG channel 3");
 }
 
-TEST_CASE("recordings stand one after the other, and what was held out is shaded") {
-  const auto figures = residualFigures(test::madeUpDiagnosis());
-  const Figure& time = figureWith(figures, "Residual of joint 2, rms", "one stretch after the other");
-  REQUIRE(time.shades.size() == 1);
-  CHECK(time.shades[0].to == doctest::Approx(time.x_range->second));
-  CHECK(time.x_range->second == doctest::Approx(20.0 + 12.0).epsilon(0.1));
-  for (const report::Series& series : time.series) {
-    CHECK(std::is_sorted(series.x.begin(), series.x.end()));
-    CHECK(std::count_if(series.y.begin(), series.y.end(), [](double y) { return std::isnan(y); }) == 4);
-  }
-}
-
 TEST_CASE("spectrum and autocorrelation have their bands and axes") {
   const auto figures = residualFigures(test::madeUpDiagnosis());
   const Figure& spectrum = figureWith(figures, "Amplitude density of the residual of joint 2", "frequency");

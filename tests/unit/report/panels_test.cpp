@@ -32,6 +32,7 @@ TEST_CASE("only what was recorded is drawn") {
   REQUIRE(figures[0].series.size() == 2);
   CHECK(figures[0].series[0].label == "reference");
   CHECK(figures[0].series[1].y == std::vector<double>{1, 2, 3});
+  CHECK(figures[0].zoom);
   CHECK(panelsOf("t_s\n0\n1\n").empty());
 }
 
