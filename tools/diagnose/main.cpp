@@ -25,7 +25,7 @@
 #include "tools/diagnose/excerpts.hpp"
 #include "tools/diagnose/judgement_limits.hpp"
 #include "tools/diagnose/parameter_text.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "tools/diagnose/raw_recording.hpp"
+#include "tools/recordings/raw_recording.hpp"
 
 namespace patella::diagnose {
 

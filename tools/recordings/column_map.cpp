@@ -1,4 +1,4 @@
-#include "tools/diagnose/column_map.hpp"
+#include "tools/recordings/column_map.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "tools/diagnose/sample_clock.hpp"
+#include "tools/recordings/sample_clock.hpp"
 
 #include <algorithm>
 #include <cmath>

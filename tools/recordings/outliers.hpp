@@ -1,7 +1,7 @@
 // Rows of a recording that no motion and no drive explains.
 #pragma once
 
-#include "tools/diagnose/raw_recording.hpp"
+#include "tools/recordings/raw_recording.hpp"
 
 namespace patella::diagnose {
 

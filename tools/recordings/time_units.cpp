@@ -1,4 +1,4 @@
-#include "tools/diagnose/time_units.hpp"
+#include "tools/recordings/time_units.hpp"
 
 #include <array>
 #include <string>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "firmware_app/files/file_error.hpp"
-#include "tools/diagnose/judgement_limits.hpp"
+#include "tools/recordings/reading_limits.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {

@@ -8,7 +8,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 namespace patella::test {
 

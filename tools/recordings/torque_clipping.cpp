@@ -1,4 +1,4 @@
-#include "tools/diagnose/torque_clipping.hpp"
+#include "tools/recordings/torque_clipping.hpp"
 
 #include <algorithm>
 

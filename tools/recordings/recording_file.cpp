@@ -1,14 +1,14 @@
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 #include <fstream>
 #include <stdexcept>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "tools/diagnose/column_map.hpp"
-#include "tools/diagnose/csv_recording.hpp"
-#include "tools/diagnose/default_bus_map.hpp"
-#include "tools/diagnose/log_recording.hpp"
-#include "tools/diagnose/uniform_recording.hpp"
+#include "tools/recordings/column_map.hpp"
+#include "tools/recordings/csv_recording.hpp"
+#include "tools/recordings/default_bus_map.hpp"
+#include "tools/recordings/log_recording.hpp"
+#include "tools/recordings/uniform_recording.hpp"
 
 namespace patella::diagnose {
 namespace {

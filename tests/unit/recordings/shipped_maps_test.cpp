@@ -8,7 +8,7 @@
 #include "core/model/effect.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 #include "tools/signals/signals.hpp"
 
 using namespace patella;

@@ -1,4 +1,4 @@
-#include "tools/diagnose/raw_recording.hpp"
+#include "tools/recordings/raw_recording.hpp"
 
 #include <fmt/format.h>
 

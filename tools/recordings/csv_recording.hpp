@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "tools/diagnose/column_map.hpp"
-#include "tools/diagnose/raw_recording.hpp"
+#include "tools/recordings/column_map.hpp"
+#include "tools/recordings/raw_recording.hpp"
 
 namespace patella::diagnose {
 

@@ -1,5 +1,5 @@
 // Maps of foreign columns.
-#include "tools/diagnose/column_map.hpp"
+#include "tools/recordings/column_map.hpp"
 
 #include <doctest/doctest.h>
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/types.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

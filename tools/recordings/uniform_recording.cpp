@@ -1,4 +1,4 @@
-#include "tools/diagnose/uniform_recording.hpp"
+#include "tools/recordings/uniform_recording.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,11 @@
 
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/time_base.hpp"
-#include "tools/diagnose/outliers.hpp"
-#include "tools/diagnose/recorded_emg.hpp"
-#include "tools/diagnose/sample_clock.hpp"
-#include "tools/diagnose/time_units.hpp"
-#include "tools/diagnose/torque_clipping.hpp"
+#include "tools/recordings/outliers.hpp"
+#include "tools/recordings/recorded_emg.hpp"
+#include "tools/recordings/sample_clock.hpp"
+#include "tools/recordings/time_units.hpp"
+#include "tools/recordings/torque_clipping.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {

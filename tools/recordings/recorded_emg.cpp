@@ -1,4 +1,4 @@
-#include "tools/diagnose/recorded_emg.hpp"
+#include "tools/recordings/recorded_emg.hpp"
 
 #include <algorithm>
 #include <cmath>

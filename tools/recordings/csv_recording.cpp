@@ -1,4 +1,4 @@
-#include "tools/diagnose/csv_recording.hpp"
+#include "tools/recordings/csv_recording.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/wording.hpp"
-#include "tools/diagnose/held_torque.hpp"
+#include "tools/recordings/held_torque.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {

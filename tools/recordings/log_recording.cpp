@@ -1,4 +1,4 @@
-#include "tools/diagnose/log_recording.hpp"
+#include "tools/recordings/log_recording.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "firmware_app/files/file_error.hpp"
-#include "tools/diagnose/held_torque.hpp"
+#include "tools/recordings/held_torque.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {

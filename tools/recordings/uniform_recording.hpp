@@ -1,8 +1,8 @@
 // Brings the rows of a recording to a uniform time base.
 #pragma once
 
-#include "tools/diagnose/raw_recording.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/raw_recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -1,4 +1,4 @@
-#include "tools/diagnose/outliers.hpp"
+#include "tools/recordings/outliers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "firmware_app/files/file_error.hpp"
-#include "tools/diagnose/judgement_limits.hpp"
+#include "tools/recordings/reading_limits.hpp"
 
 namespace patella::diagnose {
 namespace {

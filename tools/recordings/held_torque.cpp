@@ -1,4 +1,4 @@
-#include "tools/diagnose/held_torque.hpp"
+#include "tools/recordings/held_torque.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

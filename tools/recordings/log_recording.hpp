@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "firmware_app/configuration/bus_map_file.hpp"
-#include "tools/diagnose/raw_recording.hpp"
+#include "tools/recordings/raw_recording.hpp"
 
 namespace patella::diagnose {
 

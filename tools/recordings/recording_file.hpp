@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

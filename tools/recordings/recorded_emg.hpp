@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -1,7 +1,7 @@
 // From what the loop sees of a held torque to what diagnosis calls one.
 #pragma once
 
-#include "tools/diagnose/raw_recording.hpp"
+#include "tools/recordings/raw_recording.hpp"
 
 namespace patella::diagnose {
 
