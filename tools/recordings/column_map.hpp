@@ -1,4 +1,4 @@
-// Which columns of a foreign CSV are the signals of a recording.
+// Which columns of a foreign file are the signals of a recording.
 #pragma once
 
 #include <filesystem>
@@ -8,41 +8,40 @@
 #include <vector>
 
 #include "tools/recordings/recording.hpp"
+#include "tools/recordings/signal_source.hpp"
 
 namespace patella::diagnose {
 
-/// value = scale · column + offset; without a column it is the offset throughout.
-struct ColumnSource {
-  std::string column;
-  double scale = 1.0;
-  double offset = 0.0;
-};
-
 struct JointColumns {
-  ColumnSource position_rad;
-  ColumnSource torque_Nm;
-  std::optional<ColumnSource> commanded_Nm;
+  std::optional<SignalSource> position_rad;
+  std::optional<SignalSource> velocity_rad_s;
+  /// Where the motion starts that is the integral of the velocity; only without a position.
+  std::optional<double> start_rad;
+  SignalSource torque_Nm;
+  std::optional<SignalSource> commanded_Nm;
 };
 
 /// Only rows in which the column has this value belong to the recording.
 struct RowChoice {
-  std::string column;
+  FileColumn column;
   double equals = 0.0;
 };
 
 struct ColumnMap {
-  char delimiter = ',';
-  bool is_static = false;  ///< postures at rest: no time column
-  std::string time_column;
-  double time_scale_s = 1.0;  ///< seconds per unit of that column
+  char delimiter = ',';  ///< of text; a space stands for any run of spaces and tabs
+  ColumnNaming naming = ColumnNaming::kNames;
+  bool is_static = false;  ///< postures at rest: neither time column nor rate
+  std::optional<FileColumn> time_column;
+  double time_scale_s = 1.0;      ///< seconds per unit of that column
+  std::optional<double> rate_Hz;  ///< of a file without a time column
   TorqueTiming torque_timing = TorqueTiming::kHeld;
   std::vector<JointColumns> joints;
-  std::vector<ColumnSource> emg_mV;
-  std::vector<ColumnSource> activation;
+  std::vector<SignalSource> emg_mV;
+  std::vector<SignalSource> activation;
   std::vector<RowChoice> only;
 
   /// Every column that is needed, once.
-  std::vector<std::string> columns() const;
+  std::vector<FileColumn> columns() const;
 };
 
 /// Reads a map. Throws app::FileError located in it.

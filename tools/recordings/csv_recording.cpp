@@ -8,6 +8,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "tools/recordings/held_torque.hpp"
+#include "tools/recordings/number_table.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -50,7 +51,9 @@ class NamedColumns {
     return found == names.end() ? std::string() : *found;
   }
   void want(const std::string& column) { wanted_.push_back(column); }
-  CsvTable read() const { return CsvTable::load(file_, {.columns = wanted_, .allow_missing = true}); }
+  CsvTable read() const {
+    return CsvTable::load(file_, {.columns = wanted_, .allow_missing = true, .allow_cut_off = true});
+  }
 
  private:
   std::filesystem::path file_;
@@ -128,6 +131,7 @@ CsvTable readSignals(const std::filesystem::path& file, RawRecording& recording,
     }
   }
   CsvTable table = columns.read();
+  warnOfCutOff(recording.warnings, recording.name, table.cutOffLine());
   recording.stamp_s = table.take("t_s");
   for (std::size_t j = 0; j < joints; ++j) {
     recording.position_rad[j] = table.take(numbered("q", j, "_rad"));
@@ -171,29 +175,6 @@ double medianLatency_s(const CsvTable& table) {
   std::vector<double> known = copyOf(table, kColumn);
   std::erase_if(known, [](double value) { return std::isnan(value); });
   return known.empty() ? 0.0 : 1e-6 * offline::median(known);
-}
-
-std::vector<double> valuesOf(const CsvTable& table, const ColumnSource& source, std::size_t rows) {
-  if (source.column.empty()) {
-    return std::vector<double>(rows, source.offset);
-  }
-  std::vector<double> values = copyOf(table, source.column);
-  for (double& value : values) {
-    value = source.scale * value + source.offset;
-  }
-  return values;
-}
-
-std::vector<std::size_t> chosenRows(const CsvTable& table, const std::vector<RowChoice>& only) {
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    if (std::all_of(only.begin(), only.end(), [&](const RowChoice& choice) {
-          return table.column(choice.column)[row] == choice.equals;
-        })) {
-      rows.push_back(row);
-    }
-  }
-  return rows;
 }
 
 }  // namespace
@@ -252,44 +233,6 @@ RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool s
     recording.torque_timing = TorqueTiming::kSampled;
   } else {
     alignHeldTorque(recording, medianLatency_s(table) / period_s);
-  }
-  return recording;
-}
-
-RawRecording readMappedColumns(const std::filesystem::path& file, int joints, const ColumnMap& map) {
-  const std::string name = file.string();
-  if (map.joints.size() != static_cast<std::size_t>(joints)) {
-    throw FileError(name + ": the map of its columns has " + std::to_string(map.joints.size()) +
-                    " tables [[joint]], but the model has " +
-                    (joints == 1 ? "one joint" : std::to_string(joints) + " joints"));
-  }
-  const CsvTable table =
-      CsvTable::load(file, {.delimiter = map.delimiter, .columns = map.columns(), .allow_missing = true});
-  RawRecording recording;
-  recording.name = name;
-  recording.joints = joints;
-  recording.time_name = map.time_column;
-  recording.torque_timing = map.torque_timing;
-  recording.is_static = map.is_static;
-  if (!map.is_static) {
-    recording.stamp_s = valuesOf(table, {.column = map.time_column, .scale = map.time_scale_s}, table.rows());
-  }
-  for (std::size_t j = 0; j < map.joints.size(); ++j) {
-    recording.position_rad[j] = valuesOf(table, map.joints[j].position_rad, table.rows());
-    recording.torque_Nm[j] = valuesOf(table, map.joints[j].torque_Nm, table.rows());
-    if (map.joints[j].commanded_Nm) {
-      recording.commanded_Nm[j] = valuesOf(table, *map.joints[j].commanded_Nm, table.rows());
-    }
-  }
-  for (std::size_t c = 0; c < map.emg_mV.size(); ++c) {
-    recording.emg_mV[c] = valuesOf(table, map.emg_mV[c], table.rows());
-  }
-  for (std::size_t c = 0; c < map.activation.size(); ++c) {
-    recording.activation[c] = valuesOf(table, map.activation[c], table.rows());
-  }
-  numberLines(recording);
-  if (!map.only.empty()) {
-    keepRows(recording, chosenRows(table, map.only));
   }
   return recording;
 }

@@ -1,9 +1,8 @@
-// Recordings that are tables.
+// Recordings that are tables with the loop's names for their columns.
 #pragma once
 
 #include <filesystem>
 
-#include "tools/recordings/column_map.hpp"
 #include "tools/recordings/raw_recording.hpp"
 
 namespace patella::diagnose {
@@ -20,8 +19,5 @@ RawRecording readNamedColumns(const std::filesystem::path& file, int joints);
 /// mixed from the two rows. `sampled`: the report is what acted at the instant of the sample, and taken as it
 /// is.
 RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled);
-
-/// By a map.
-RawRecording readMappedColumns(const std::filesystem::path& file, int joints, const ColumnMap& map);
 
 }  // namespace patella::diagnose

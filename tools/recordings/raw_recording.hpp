@@ -28,6 +28,8 @@ struct RawRecording {
   std::vector<std::size_t> line;
   /// As in Recording; a cell that held nothing is NaN.
   std::array<std::vector<double>, kMaxJoints> position_rad;
+  /// Where the integral of the velocity begins that takes the place of a position; else nothing.
+  std::array<std::optional<double>, kMaxJoints> start_rad;
   std::array<std::vector<double>, kMaxJoints> velocity_rad_s;
   std::array<std::vector<double>, kMaxJoints> torque_Nm;
   std::array<std::vector<double>, kMaxJoints> commanded_Nm;
@@ -35,7 +37,7 @@ struct RawRecording {
   std::array<std::vector<double>, kMaxEmgChannels> emg_mV;  ///< raw; empty where absent
   std::vector<std::string> warnings;
 
-  std::size_t rows() const noexcept { return position_rad[0].size(); }
+  std::size_t rows() const noexcept { return stamp_s.empty() ? position_rad[0].size() : stamp_s.size(); }
   /// Calls `visit(name, values)` for every signal that the recording has, in a fixed order.
   template <typename Self, typename Visitor>
   static void forEachSignal(Self& recording, Visitor&& visit) {

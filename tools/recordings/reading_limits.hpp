@@ -1,6 +1,7 @@
 // Every threshold by which the rows of a recording are judged as they are read, and why it stands there.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 namespace patella::diagnose {
@@ -29,6 +30,19 @@ inline constexpr double kMost = 0.005;
 /// Rows that are named; the rest is counted.
 inline constexpr std::size_t kNamed = 5;
 }  // namespace outliers
+
+/// Lost samples.
+namespace gaps {
+/// So long, a motion is between the samples around it as their cubic has it.
+inline constexpr double kLongestBridge_s = 0.020;
+/// Of a slow recording, which has no samples so near to each other.
+inline constexpr double kLongestBridge_samples = 3.0;
+
+/// What is longer is a gap. `step_s` is that of the samples.
+inline double longestBridge_s(double step_s) {
+  return std::max(kLongestBridge_s, kLongestBridge_samples * step_s) + 1e-9;
+}
+}  // namespace gaps
 
 /// Units of time.
 namespace time_units {

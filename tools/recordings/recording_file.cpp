@@ -8,6 +8,8 @@
 #include "tools/recordings/csv_recording.hpp"
 #include "tools/recordings/default_bus_map.hpp"
 #include "tools/recordings/log_recording.hpp"
+#include "tools/recordings/mapped_recording.hpp"
+#include "tools/recordings/mat_table.hpp"
 #include "tools/recordings/uniform_recording.hpp"
 
 namespace patella::diagnose {
@@ -16,7 +18,7 @@ namespace {
 /// Lines of a log begin with a stamp in parentheses; no header of names does.
 bool isLog(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  return (stream >> std::ws).peek() == '(';
+  return !isMatFile(file) && (stream >> std::ws).peek() == '(';
 }
 
 app::BusDescription busOf(const std::filesystem::path& log, const RecordingOptions& options) {
@@ -48,7 +50,12 @@ RawRecording readFrames(const std::filesystem::path& log, const RecordingOptions
 
 RawRecording readTable(const std::filesystem::path& file, const RecordingOptions& options) {
   if (options.columns) {
-    return readMappedColumns(file, options.joints, loadColumnMap(*options.columns));
+    return readMappedRecording(file, options.joints, loadColumnMap(*options.columns));
+  }
+  if (isMatFile(file)) {
+    throw app::FileError(file.string() +
+                         ": is a MATLAB file, expected a map of its variables (--columns); it holds " +
+                         matContents(file));
   }
   return isLoopTable(file)
              ? readLoopTable(file, options.joints, options.torque_timing == TorqueTiming::kSampled)

@@ -10,7 +10,9 @@
 
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/time_base.hpp"
+#include "tools/recordings/integrated_position.hpp"
 #include "tools/recordings/outliers.hpp"
+#include "tools/recordings/reading_limits.hpp"
 #include "tools/recordings/recorded_emg.hpp"
 #include "tools/recordings/sample_clock.hpp"
 #include "tools/recordings/time_units.hpp"
@@ -26,8 +28,6 @@ using convert::TimeBase;
 
 constexpr std::size_t kFewestRows = 100;
 constexpr std::size_t kFewestPostures = 10;
-constexpr double kLongestBridge_s = 0.020;
-constexpr double kLongestBridge_samples = 3.0;
 constexpr double kRoundingOfRate = 0.002;
 /// Of the rows: with more without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;
@@ -186,11 +186,11 @@ Stretch stretchOf(const Instants& instants, std::size_t first, std::size_t end, 
 
 std::vector<Stretch> stretchesOf(const Instants& instants, double rate_Hz,
                                  std::vector<std::string>& warnings) {
-  const double longest_s = std::max(kLongestBridge_s, kLongestBridge_samples / rate_Hz) + 1e-9;
+  const double longest_s = gaps::longestBridge_s(1.0 / rate_Hz);
   std::vector<Stretch> stretches;
   std::size_t first = 0;
   std::size_t bridged = 0;
-  std::size_t gaps = 0;
+  std::size_t gap_count = 0;
   double widest_s = 0.0;
   double widest_at_s = 0.0;
   for (std::size_t i = 1; i <= instants.stamp_s.size(); ++i) {
@@ -204,7 +204,7 @@ std::vector<Stretch> stretchesOf(const Instants& instants, double rate_Hz,
       stretches.push_back(stretchOf(instants, first, i, rate_Hz));
     }
     first = i;
-    gaps += last ? 0 : 1;
+    gap_count += last ? 0 : 1;
     if (step_s > widest_s) {
       widest_s = step_s;
       widest_at_s = instants.stamp_s[i - 1];
@@ -213,10 +213,10 @@ std::vector<Stretch> stretchesOf(const Instants& instants, double rate_Hz,
   if (bridged > 0) {
     warnings.push_back(fmt::format("{} lost samples were interpolated", bridged));
   }
-  if (gaps > 0) {
+  if (gap_count > 0) {
     warnings.push_back(
-        fmt::format("{} {} of up to {:.3g} s, the longest at {:.4g} s: taken as separate stretches", gaps,
-                    gaps == 1 ? "gap" : "gaps", widest_s, widest_at_s));
+        fmt::format("{} {} of up to {:.3g} s, the longest at {:.4g} s: taken as separate stretches",
+                    gap_count, gap_count == 1 ? "gap" : "gaps", widest_s, widest_at_s));
   }
   return stretches;
 }
@@ -332,6 +332,7 @@ Instants judgedInstants(RawRecording& raw) {
     instants = instantsOf(raw);
     requireRows(raw, instants.stamp_s.size(), kFewestRows);
   }
+  integrateVelocity(raw);
   const double start_s = instants.stamp_s.front();
   for (double& stamp_s : instants.stamp_s) {
     stamp_s -= start_s;
