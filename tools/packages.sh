@@ -5,7 +5,7 @@ portable_packages=(ccache cmake doctest-dev libcli11-dev libeigen3-dev ninja-bui
 # Libraries that the programs of the rig are linked to.
 linked_packages=(libgpiod-dev libmd-dev libspdlog-dev libtomlplusplus-dev)
 build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificates g++ git gnuplot-nox libboost-dev libceres-dev
-  libfftw3-dev)
+  libfftw3-dev libmatio-dev)
 # libtorch multiplies with whatever BLAS is there; the one that it brings along takes three times as long, and of OpenBLAS only
 # this kind keeps to the number of threads that libtorch is told.
 test_packages=(can-utils chromium clang-format clang-tidy debootstrap iproute2 libopenblas0-openmp libtorch-dev python3 python3-torch)

@@ -22,14 +22,16 @@ namespace {
 constexpr std::size_t kLongestLine = 1'000'000;
 constexpr std::size_t kSkipped = std::numeric_limits<std::size_t>::max();
 
+constexpr std::string_view kBlanks = " \t";
+
+std::string_view withoutBlanks(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  text.remove_suffix(text.size() - (text.find_last_not_of(kBlanks) + 1));
+  return text;
+}
+
 std::string_view trimmed(std::string_view cell) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t'; };
-  while (!cell.empty() && blank(cell.front())) {
-    cell.remove_prefix(1);
-  }
-  while (!cell.empty() && blank(cell.back())) {
-    cell.remove_suffix(1);
-  }
+  cell = withoutBlanks(cell);
   if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
     cell = cell.substr(1, cell.size() - 2);
   }
@@ -57,6 +59,9 @@ class Parser {
       : lines_(std::move(lines)), file_(std::move(file)), options_(options) {}
 
   bool nextLine() {
+    if (std::exchange(again_, false)) {
+      return true;
+    }
     if (!fetched_) {
       fetch();
     }
@@ -65,6 +70,7 @@ class Parser {
     }
     ++line_number_;
     line_done_ = false;
+    cells_ = 0;
     if (empty_lines_ > 0) {
       --empty_lines_;
       line_ = {};
@@ -75,7 +81,19 @@ class Parser {
     return true;
   }
 
+  /// Whether another line follows; the one before it is lost.
+  bool more() {
+    fetch();
+    return fetched_;
+  }
+
+  /// Gives the line once more, none of whose cells have been asked for.
+  void giveLineAgain() noexcept { again_ = true; }
+  std::string_view line() const noexcept { return line_; }
+  std::size_t lineNumber() const noexcept { return line_number_; }
   std::size_t lineLength() const noexcept { return line_.size(); }
+  /// Whether the cell given last ends the line, and is not beyond the `count` cells that a line has.
+  bool endedBy(std::size_t count) const noexcept { return line_done_ && cells_ <= count; }
 
   /// Next cell of the line; false past the last one.
   bool nextCell(std::string_view& cell) {
@@ -87,14 +105,15 @@ class Parser {
       const auto quote = line_.find('"', 1);
       end = quote == std::string_view::npos ? line_.size() : quote;
     }
-    const void* found = end < line_.size()
-                            ? std::memchr(line_.data() + end, options_.delimiter, line_.size() - end)
-                            : nullptr;
-    end = found == nullptr ? line_.size()
-                           : static_cast<std::size_t>(static_cast<const char*>(found) - line_.data());
+    const char* found = delimiterFrom(end);
+    end = found == nullptr ? line_.size() : static_cast<std::size_t>(found - line_.data());
     cell = line_.substr(0, end);
     line_done_ = found == nullptr;
     line_.remove_prefix(line_done_ ? end : end + 1);
+    if (betweenBlanks()) {
+      line_ = withoutBlanks(line_);
+    }
+    ++cells_;
     return true;
   }
 
@@ -128,6 +147,19 @@ class Parser {
   }
 
  private:
+  bool betweenBlanks() const noexcept { return options_.delimiter == ' '; }
+
+  /// First delimiter of the line at or after a place in it, or nothing.
+  const char* delimiterFrom(std::size_t at) const {
+    if (betweenBlanks()) {
+      const auto found = line_.find_first_of(kBlanks, at);
+      return found == std::string_view::npos ? nullptr : line_.data() + found;
+    }
+    return at < line_.size() ? static_cast<const char*>(
+                                   std::memchr(line_.data() + at, options_.delimiter, line_.size() - at))
+                             : nullptr;
+  }
+
   static std::pair<const char*, std::errc> parse(std::string_view text, double& value) {
     const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
     return {result.ptr, result.ec};
@@ -143,6 +175,9 @@ class Parser {
       first_ = false;
       if (next_.ends_with('\r')) {
         next_.remove_suffix(1);
+      }
+      if (betweenBlanks()) {
+        next_ = withoutBlanks(next_);
       }
       fetched_ = !next_.empty();
       empty_lines_ += fetched_ ? 0 : 1;
@@ -161,8 +196,15 @@ class Parser {
   std::string file_;
   const CsvOptions& options_;
   std::size_t line_number_ = 0;
+  std::size_t cells_ = 0;  ///< given of the line
+  bool again_ = false;
   bool line_done_ = true;
 };
+
+bool isNumber(std::string_view text) {
+  double value = 0.0;
+  return std::from_chars(text.data(), text.data() + text.size(), value).ptr == text.data() + text.size();
+}
 
 std::vector<std::string> readHeader(Parser& parser) {
   if (!parser.nextLine()) {
@@ -183,14 +225,42 @@ std::vector<std::string> readHeader(Parser& parser) {
     header.push_back(name);
   }
   // A file without header would otherwise lose its first row unnoticed.
-  const bool numbers = std::all_of(header.begin(), header.end(), [](const std::string& name) {
-    double value = 0.0;
-    return std::from_chars(name.data(), name.data() + name.size(), value).ptr == name.data() + name.size();
-  });
-  if (numbers) {
+  if (std::all_of(header.begin(), header.end(), isNumber)) {
     parser.fail("the first line holds numbers, expected a header of column names");
   }
   return header;
+}
+
+/// Numbers as names of the columns of a file without a header, whose first line is still to be read.
+std::vector<std::string> numberColumns(Parser& parser, const std::string& file, const CsvOptions& options) {
+  if (!parser.nextLine()) {
+    parser.fail("the file is empty, expected rows of numbers");
+  }
+  const std::string line(parser.line());
+  Parser first(linesOf(line), file, options);
+  std::vector<std::string> names;
+  std::size_t numbers = 0;
+  std::string_view cell;
+  first.nextLine();
+  while (first.nextCell(cell)) {
+    numbers += isNumber(trimmed(cell)) ? 1 : 0;
+    names.push_back(std::to_string(names.size() + 1));
+  }
+  if (numbers == 0) {
+    parser.fail("the first line holds no number, expected rows of numbers without a header");
+  }
+  parser.giveLineAgain();
+  return names;
+}
+
+void requireColumns(const Parser& parser, const std::vector<std::string>& header, const CsvOptions& options) {
+  for (const std::string& wanted : options.columns) {
+    if (std::find(header.begin(), header.end(), wanted) == header.end()) {
+      parser.fail(
+          "there is no column '" + wanted + "'" +
+          (options.header ? suggestion(wanted, header) : ", expected 1 to " + std::to_string(header.size())));
+    }
+  }
 }
 
 /// Rows whose length tells how many a text of known length holds.
@@ -223,12 +293,9 @@ CsvTable CsvTable::parse(std::string_view text, const std::string& name, const C
 CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::string& name,
                         const CsvOptions& options) {
   Parser parser(source, name, options);
-  const std::vector<std::string> header = readHeader(parser);
-  for (const std::string& wanted : options.columns) {
-    if (std::find(header.begin(), header.end(), wanted) == header.end()) {
-      parser.fail("there is no column '" + wanted + "'" + suggestion(wanted, header));
-    }
-  }
+  const std::vector<std::string> header =
+      options.header ? readHeader(parser) : numberColumns(parser, name, options);
+  requireColumns(parser, header, options);
 
   CsvTable table;
   table.file_ = name;
@@ -242,16 +309,8 @@ CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::stri
   }
   table.columns_.resize(table.names_.size());
 
-  std::string_view cell;
-  std::size_t lines = 0;
-  std::size_t length = 0;
-  while (parser.nextLine()) {
-    length += parser.lineLength() + 1;
-    if (++lines == kTypicalRows) {
-      for (auto& column : table.columns_) {
-        column.reserve(size / (length / lines));
-      }
-    }
+  const auto read_row = [&] {
+    std::string_view cell;
     std::size_t index = 0;
     while (parser.nextCell(cell)) {
       if (index < header.size() && target[index] != kSkipped) {
@@ -261,10 +320,30 @@ CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::stri
     }
     if (index != header.size()) {
       parser.fail(std::to_string(index) + " cells, expected " + std::to_string(header.size()) +
-                  " as in the header");
+                  (options.header ? " as in the header" : " as in the first line"));
+    }
+  };
+  std::size_t length = 0;
+  while (parser.nextLine()) {
+    length += parser.lineLength() + 1;
+    if (table.rows_ + 1 == kTypicalRows) {
+      for (auto& column : table.columns_) {
+        column.reserve(size / (length / kTypicalRows));
+      }
+    }
+    try {
+      read_row();
+      ++table.rows_;
+    } catch (const FileError&) {
+      if (!options.allow_cut_off || !parser.endedBy(header.size()) || parser.more()) {
+        throw;
+      }
+      table.cut_off_line_ = parser.lineNumber();
+      for (auto& column : table.columns_) {
+        column.resize(table.rows_);
+      }
     }
   }
-  table.rows_ = table.columns_.empty() ? 0 : table.columns_.front().size();
   if (table.rows() < options.minimum_rows) {
     parser.fail(std::to_string(table.rows()) + " rows of numbers, expected at least " +
                 std::to_string(options.minimum_rows));

@@ -1,4 +1,4 @@
-// Recordings as CSV: one header line of names with units, then numbers.
+// Recordings as text: usually one header line of names with units, then numbers.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,17 @@
 namespace patella::app {
 
 struct CsvOptions {
-  char delimiter = ',';
+  char delimiter = ',';  ///< a space stands for any run of spaces and tabs
+  /// Without a header, columns have their numbers as names, "1" and on.
+  bool header = true;
   std::size_t minimum_rows = 1;
   /// Read these columns only, all required; empty: every column. Other columns may then hold text.
   std::vector<std::string> columns{};
   /// Empty cells, nan and infinities are values (all read as NaN), as in the loop's own recordings before a
   /// signal has arrived; otherwise they are errors.
   bool allow_missing = false;
+  /// A last line that lacks cells, as where the program that wrote it was killed, is left out: cutOffLine().
+  bool allow_cut_off = false;
 };
 
 /// Columns of double with equal lengths. Lines may end in LF or CRLF, the last one in nothing; a byte-order
@@ -50,7 +54,9 @@ class CsvTable {
   /// The same, out of the table, which holds no values of it any more.
   std::vector<double> take(std::string_view name);
   /// Line of the file at which a row stands, counted from 1.
-  static std::size_t lineOf(std::size_t row) noexcept { return row + 2; }
+  static std::size_t lineOf(std::size_t row, bool header = true) noexcept { return row + (header ? 2 : 1); }
+  /// Line that was left out because it lacks cells.
+  std::optional<std::size_t> cutOffLine() const noexcept { return cut_off_line_; }
   /// First row whose value is not greater than the one before it, for columns of time; NaN counts as such.
   std::optional<std::size_t> firstNotIncreasing(std::string_view name) const;
 
@@ -64,6 +70,7 @@ class CsvTable {
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
   std::size_t rows_ = 0;
+  std::optional<std::size_t> cut_off_line_;
 };
 
 /// Writes such a file; it appears when committed. Numbers read back as the same double, NaN as an empty cell.

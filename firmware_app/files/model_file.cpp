@@ -8,6 +8,7 @@
 
 #include "core/model/effect.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/base_parameters.hpp"
 #include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/wording.hpp"
 
@@ -34,10 +35,37 @@ std::array<double, 2> readPair(const TomlTable& table, const Bound& bound) {
   return {values[0], values[1]};
 }
 
+PlanarTwoLinkParameters readBaseParameters(const TomlTable& mechanism, double gravity_m_s2) {
+  for (const char* key : {"mass_kg", "com_m", "inertia_kg_m2"}) {
+    if (mechanism.has(key)) {
+      throw mechanism.error(key, "stands beside 'base_parameters', which tell it; expected one of the two");
+    }
+  }
+  const TomlTable table = mechanism.table("base_parameters");
+  const BaseParametersOfLinks base{
+      .thigh_inertia_kg_m2 =
+          number(table, boundOf("mechanism.base_parameters.thigh_inertia_kg_m2 (planar_two_link)")),
+      .shank_inertia_kg_m2 =
+          number(table, boundOf("mechanism.base_parameters.shank_inertia_kg_m2 (planar_two_link)")),
+      .thigh_moment_kg_m =
+          number(table, boundOf("mechanism.base_parameters.thigh_moment_kg_m (planar_two_link)")),
+      .shank_moment_kg_m =
+          number(table, boundOf("mechanism.base_parameters.shank_moment_kg_m (planar_two_link)"))};
+  const std::array<double, 2> length_m = readPair(mechanism, boundOf("mechanism.length_m (planar_two_link)"));
+  try {
+    return model::PlanarTwoLink(linksOf(base, length_m, gravity_m_s2)).parameters();
+  } catch (const std::invalid_argument& error) {
+    throw mechanism.error("base_parameters", error.what());
+  }
+}
+
 MechanismDescription readMechanism(const TomlTable& table) {
   const std::string kind =
       table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic});
   const double gravity = number(table, boundOf("mechanism.gravity_m_s2"), 9.81);
+  if (kind == kPlanarTwoLink && table.has("base_parameters")) {
+    return readBaseParameters(table, gravity);
+  }
   if (kind == kPlanarTwoLink) {
     return PlanarTwoLinkParameters{
         .mass_kg = readPair(table, boundOf("mechanism.mass_kg (planar_two_link)")),

@@ -32,7 +32,8 @@ struct ModelDescription {
 };
 
 /// Reads and checks a model file. Throws FileError "file:line: key 'effect[2].joint': value 3, expected ...",
-/// also for unknown keys, kinds and parameters.
+/// also for unknown keys, kinds and parameters. Two links may be given by `base_parameters`, see
+/// base_parameters.hpp; they are then written with masses and centres of mass.
 ModelDescription loadModel(const std::filesystem::path& path);
 /// `name` stands for the file in messages.
 ModelDescription parseModel(std::string_view text, const std::string& name);

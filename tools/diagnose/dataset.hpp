@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "core/model/dynamics_model.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -10,7 +10,7 @@
 
 #include "firmware_app/files/model_file.hpp"
 #include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

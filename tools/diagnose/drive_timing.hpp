@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -25,7 +25,7 @@
 #include "tools/diagnose/excerpts.hpp"
 #include "tools/diagnose/judgement_limits.hpp"
 #include "tools/diagnose/parameter_text.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 namespace {
 
@@ -60,7 +60,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--out", a.out, "folder for report.html, diagnosis.json and model.extended.toml")
       ->required();
   app.add_option("--columns", a.recording.columns,
-                 "map of the columns of a CSV that names them its own way, TOML");
+                 "map of the columns of a text or MATLAB file that names them its own way, TOML");
   app.add_option("--dbc", a.recording.dbc, "bus description of logs of frames");
   app.add_option("--bus-map", a.recording.bus_map,
                  "which signal is which input; the loop's own unless given");

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

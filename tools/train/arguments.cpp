@@ -26,7 +26,7 @@ void declareInput(CLI::App& app, Arguments& a) {
                  "configuration of the loop that will run the network: model, observer, filters, bus")
       ->required();
   app.add_option("--columns", a.recording.columns,
-                 "map of the columns of a CSV that names them its own way, TOML");
+                 "map of the columns of a text or MATLAB file that names them its own way, TOML");
   app.add_option("--dbc", a.recording.dbc,
                  "bus description of logs of frames, in place of the configuration's");
   app.add_option(

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 #include "tools/train/preparation.hpp"
 #include "tools/train/split.hpp"
 #include "tools/train/trainer.hpp"

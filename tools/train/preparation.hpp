@@ -7,7 +7,7 @@
 
 #include "core/tick/front_end.hpp"
 #include "firmware_app/configuration/run_config.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 #include "tools/train/sequence.hpp"
 
 namespace patella::train {

@@ -15,7 +15,7 @@
 #include "spoilt_rigs.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 #include "tools/diagnose/plausibility.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

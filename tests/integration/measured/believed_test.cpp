@@ -13,7 +13,7 @@
 #include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
 #include "tools/diagnose/plausibility.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

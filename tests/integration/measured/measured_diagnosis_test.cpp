@@ -12,7 +12,7 @@
 #include "tools/bench/measured/emps_error.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/drive_timing.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 using namespace patella;
 using diagnose::Diagnosis;

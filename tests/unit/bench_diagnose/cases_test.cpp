@@ -7,7 +7,7 @@
 
 #include "firmware_app/files/csv_table.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 using namespace patella::bench;
 

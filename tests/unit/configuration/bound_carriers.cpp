@@ -260,6 +260,9 @@ const std::vector<Carrier>& carriers() {
     made.push_back(model(
         "kind = \"planar_two_link\"\nmass_kg = [7.2, 4.4]\nlength_m = [0.4, 0.4]\ncom_m = [0.17, 0.24]\n"
         "inertia_kg_m2 = [0.12, 0.12]\n"));
+    made.push_back(model(
+        "kind = \"planar_two_link\"\nlength_m = [0.4, 0.4]\nbase_parameters = { thigh_inertia_kg_m2 = 1.03, "
+        "shank_inertia_kg_m2 = 0.37, thigh_moment_kg_m = 2.98, shank_moment_kg_m = 1.06 }\n"));
     made.push_back(model("kind = \"revolute\"\ninertia_kg_m2 = 0.3\nmoment_kg_m = 1\nlength_m = 0.4\n"));
     made.push_back(model("kind = \"prismatic\"\nmass_kg = 95\ninclination_rad = 0.1\n"));
     for (const char* parameters :

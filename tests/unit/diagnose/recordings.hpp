@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

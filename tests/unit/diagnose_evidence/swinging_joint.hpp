@@ -8,7 +8,7 @@
 #include <random>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/paths.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 using namespace patella;
 

@@ -40,6 +40,44 @@ TEST_CASE("columns are found by name, whatever ends the lines") {
   }
 }
 
+TEST_CASE("without a header columns have numbers, and the first line counts") {
+  const CsvTable table = read("0,1.5\n0.001,-2e-3\n", {.header = false});
+  CHECK(table.names() == std::vector<std::string>{"1", "2"});
+  REQUIRE(table.rows() == 2);
+  CHECK(table.column("2")[0] == 1.5);
+  CHECK(CsvTable::lineOf(1, false) == 2);
+  CHECK(errorOf("", {.header = false}) == "run.csv:1: the file is empty, expected rows of numbers");
+  CHECK(errorOf("t_s,q\n0,1\n", {.header = false}) ==
+        "run.csv:1: the first line holds no number, expected rows of numbers without a header");
+  CHECK(errorOf("0,1\n0\n", {.header = false}) == "run.csv:2: 1 cells, expected 2 as in the first line");
+  CHECK(errorOf("0,1\n", {.header = false, .columns = {"3"}}) ==
+        "run.csv:1: there is no column '3', expected 1 to 2");
+}
+
+TEST_CASE("a space as delimiter is any run of spaces and tabs") {
+  const CsvTable table = read("  t_s \t q \r\n 0\t1.5  \n0.001  -2e-3\n  \n", {.delimiter = ' '});
+  CHECK(table.names() == std::vector<std::string>{"t_s", "q"});
+  REQUIRE(table.rows() == 2);
+  CHECK(table.column("q")[1] == -2e-3);
+  CHECK(errorOf("t_s q\n0 1 2\n", {.delimiter = ' '}) == "run.csv:2: 3 cells, expected 2 as in the header");
+}
+
+TEST_CASE("a last line that lacks cells is left out where that is allowed") {
+  const CsvOptions options{.allow_cut_off = true};
+  for (const std::string rest : {"2", "2,", "2,-", "2\n\n"}) {
+    CAPTURE(rest);
+    const CsvTable table = read("t_s,q\n0,1\n1,5\n" + rest, options);
+    CHECK(table.rows() == 2);
+    CHECK(table.column("q").size() == 2);
+    CHECK(table.cutOffLine() == 4);
+    CHECK(errorOf("t_s,q\n0,1\n1,5\n" + rest).starts_with("run.csv:4: "));
+  }
+  CHECK_FALSE(read("t_s,q\n0,1\n1,5\n", options).cutOffLine());
+  CHECK(errorOf("t_s,q\n0,1\n1\n2,3\n", options) == "run.csv:3: 1 cells, expected 2 as in the header");
+  CHECK(errorOf("t_s,q\n0,1\nx,1\n", options) == "run.csv:3: column 't_s': value 'x', expected a number");
+  CHECK(errorOf("t_s,q\n0\n", options) == "run.csv:2: 0 rows of numbers, expected at least 1");
+}
+
 TEST_CASE("malformed files are refused with file, line, column, value and expectation") {
   CHECK(errorOf("") == "run.csv:1: the file is empty, expected a header of column names");
   CHECK(errorOf("\n\n") == "run.csv:1: the file is empty, expected a header of column names");

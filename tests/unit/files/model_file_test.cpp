@@ -8,6 +8,7 @@
 
 #include "core/model/presets.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/wording.hpp"
 #include "tests/support/joint_pair.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
@@ -85,6 +86,69 @@ TEST_CASE("the shipped models are the presets") {
   check("paper", model::paperLeg());
   check("physical", model::physicalLeg());
   check("adult", model::adultLeg());
+}
+
+TEST_CASE("two links by base parameters move as those that have them") {
+  const auto close = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
+  for (const std::string name :
+       {"firmware_app/config/models/adult.toml", "firmware_app/config/models/paper.toml",
+        "tools/diagnose/maps/acromonk_model.toml", "tools/diagnose/maps/double_pendulum_c0_model.toml",
+        "tools/diagnose/maps/free_double_pendulum_model.toml"}) {
+    CAPTURE(name);
+    const model::DynamicsModel whole = makeModel(loadModel(PATELLA_SOURCE_DIR "/" + name));
+    const auto& leg = dynamic_cast<const model::PlanarTwoLink&>(whole.mechanism());
+    const model::BaseParameters base = leg.baseParameters();
+    const auto& length = leg.parameters().length_m;
+    const ModelDescription described =
+        parseModel("[mechanism]\nkind = \"planar_two_link\"\nlength_m = [" + formatNumber(length[0]) + ", " +
+                       formatNumber(length[1]) + "]\nbase_parameters = { thigh_inertia_kg_m2 = " +
+                       formatNumber(base[0]) + ", shank_inertia_kg_m2 = " + formatNumber(base[1]) +
+                       ", thigh_moment_kg_m = " + formatNumber(base[3]) +
+                       ", shank_moment_kg_m = " + formatNumber(base[4]) + " }\n",
+                   "model.toml");
+    const auto& links = std::get<model::PlanarTwoLinkParameters>(described.mechanism);
+    const model::BaseParameters found = model::PlanarTwoLink(links).baseParameters();
+    for (Eigen::Index i = 0; i < base.size(); ++i) {
+      CAPTURE(i);
+      CHECK(close(found[i], base[i]));
+    }
+    for (const std::size_t link : {0U, 1U}) {
+      CHECK(links.mass_kg[link] > 0.0);
+      CHECK(links.inertia_kg_m2[link] >= 0.0);
+      CHECK(links.com_m[link] >= 0.0);
+    }
+    CHECK(close(links.length_m[0], length[0]));
+  }
+}
+
+TEST_CASE("base parameters that no two links have are refused") {
+  const auto with = [](const std::string& thigh_inertia, const std::string& shank_moment,
+                       const std::string& more = "") {
+    return errorOf("[mechanism]\nkind = \"planar_two_link\"\nlength_m = [0.5, 0.4]\n" + more +
+                   "base_parameters = { thigh_inertia_kg_m2 = " + thigh_inertia +
+                   ", shank_inertia_kg_m2 = 0.5, thigh_moment_kg_m = 2, shank_moment_kg_m = " + shank_moment +
+                   " }\n");
+  };
+  CHECK(with("2", "1") == "(nothing was thrown)");
+  CHECK(with("2", "2") ==
+        "model.toml:4: key 'mechanism.base_parameters': fit no two links: the shank's mass would be at least "
+        "shank_moment_kg_m² / shank_inertia_kg_m2 = 8 kg and at most thigh_moment_kg_m / length_m[1] = 4 kg, "
+        "expected the thigh's to include m2 l1 and m2 l1²");
+  CHECK(with("0.25", "1") ==
+        "model.toml:4: key 'mechanism.base_parameters': fit no two links: the shank's mass would be at least "
+        "shank_moment_kg_m² / shank_inertia_kg_m2 = 2 kg and at most thigh_inertia_kg_m2 / length_m[1]² = 1 "
+        "kg, "
+        "expected the thigh's to include m2 l1 and m2 l1²");
+  CHECK(with("-1", "1").starts_with(
+      "model.toml:4: key 'mechanism.base_parameters.thigh_inertia_kg_m2': value -1, expected a number in"));
+  CHECK(with("420", "1") ==
+        "model.toml:4: key 'mechanism.base_parameters': mechanism.inertia_kg_m2 (planar_two_link)[1] = "
+        "419.125, "
+        "expected 0 to 20");
+  CHECK(with("2", "1", "mass_kg = [1, 1]\n") ==
+        "model.toml:4: key 'mechanism.mass_kg': stands beside 'base_parameters', which tell it; expected one "
+        "of "
+        "the two");
 }
 
 TEST_CASE("every mechanism and every effect survives writing and reading") {

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "firmware_app/files/file_error.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 
 namespace patella::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tools/bench/diagnose/plant.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::bench {
 

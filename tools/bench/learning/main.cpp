@@ -7,7 +7,7 @@
 #include "tools/bench/learning/leg_study.hpp"
 #include "tools/bench/learning/pendulum_study.hpp"
 #include "tools/bench/learning/tables.hpp"
-#include "tools/diagnose/recording_file.hpp"
+#include "tools/recordings/recording_file.hpp"
 #include "tools/train/linear_path.hpp"
 
 namespace {

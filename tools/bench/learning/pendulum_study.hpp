@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 #include "tools/train/trainer.hpp"
 
 namespace patella::bench {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "firmware_app/files/model_file.hpp"
-#include "tools/diagnose/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::bench {
 

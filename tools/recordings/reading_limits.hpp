@@ -1,0 +1,58 @@
+// Every threshold by which the rows of a recording are judged as they are read, and why it stands there.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+namespace patella::diagnose {
+
+/// Single rows or short bursts that no motion and no drive explains.
+namespace outliers {
+/// A drive's torque rises within a few milliseconds, and a leg takes longer to turn round: what is over in
+/// this time, or in this many rows of a slow recording, is no motion.
+inline constexpr double kLongestBurst_s = 0.010;
+inline constexpr std::size_t kLongestBurst_rows = 3;
+/// Between these quantiles lies the range that a signal uses.
+inline constexpr double kBulk = 0.02;
+/// Ranges beyond that range: a drive that is used to a third of what it can still has room. No row of the
+/// recordings of other people's rigs lies so far out (measured_believed_test), impacts and pushes included.
+inline constexpr double kBeyond = 2.0;
+/// Of that range, the jump of a position out and back; and how many times the largest of its ordinary steps.
+inline constexpr double kJump = 0.1;
+inline constexpr double kJumpSteps = 20.0;
+inline constexpr double kOrdinarySteps = 0.995;  ///< quantile
+/// Of the jump, how near to where it left the position must come back.
+inline constexpr double kBack = 0.3;
+/// However long it lasts, such a multiple of the range is no torque of the same drive.
+inline constexpr double kAbsurd = 1e4;
+/// Share of the rows with more of which the recorder is broken, and no row of it can be relied on.
+inline constexpr double kMost = 0.005;
+/// Rows that are named; the rest is counted.
+inline constexpr std::size_t kNamed = 5;
+}  // namespace outliers
+
+/// Lost samples.
+namespace gaps {
+/// So long, a motion is between the samples around it as their cubic has it.
+inline constexpr double kLongestBridge_s = 0.020;
+/// Of a slow recording, which has no samples so near to each other.
+inline constexpr double kLongestBridge_samples = 3.0;
+
+/// What is longer is a gap. `step_s` is that of the samples.
+inline double longestBridge_s(double step_s) {
+  return std::max(kLongestBridge_s, kLongestBridge_samples * step_s) + 1e-9;
+}
+}  // namespace gaps
+
+/// Units of time.
+namespace time_units {
+/// A leg's dynamics are over in fractions of a second: stamps so far apart are not seconds, or of no use.
+inline constexpr double kLongestStep_s = 0.5;
+/// Encoders of joints are read at up to 10 kHz in the fastest recording known.
+inline constexpr double kShortestStep_s = 2e-5;
+/// Rates that recorders of robots have: a unit that brings the step into this range is the likely one.
+inline constexpr double kSlowest_Hz = 5.0;
+inline constexpr double kFastest_Hz = 2e4;
+}  // namespace time_units
+
+}  // namespace patella::diagnose
