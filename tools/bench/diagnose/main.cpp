@@ -59,7 +59,7 @@ constexpr const char* kRules = R"(Rules
   the damping that the model declares, which is within two standard deviations of it.
 Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And planted:
   halves of measured recordings with the model that the other half led to, plain or with a drawn effect added to the
-  measured torque; decided by the evidence.)";
+  measured torque.)";
 
 Suite suiteOf(const std::string& name, std::size_t index) {
   if (name == "all") {
@@ -283,7 +283,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                                .source = PATELLA_SOURCE_DIR,
                                .out = options.out,
                                .cases = options.cases,
-                               .seed = options.seed});
+                               .seed = options.seed,
+                               .by_evidence = options.by_evidence});
     } else {
       runAll(options);
     }

@@ -15,6 +15,7 @@
 #include "tools/bench/diagnose/measured_rigs.hpp"
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/evidence/decision.hpp"
 
 namespace patella::bench {
@@ -157,7 +158,12 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
             recording.torque_Nm[j].begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
+diagnose::Diagnosis decide(const Recording& recording, const app::ModelDescription& model, bool by_evidence) {
+  return by_evidence ? diagnose::evidence::decide(std::span(&recording, 1), model, {})
+                     : diagnose::diagnose(std::span(&recording, 1), {}, model, {});
+}
+
+std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all, bool by_evidence) {
   std::vector<Half> halves;
   for (const MeasuredRecording& source : all) {
     const Segment whole = part(source.recording, 0.0, 1.0).segments.front();
@@ -166,11 +172,10 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
     }
     for (const bool second : {false, true}) {
       const Recording other = part(source.recording, second ? 0.0 : 0.5, second ? 0.5 : 1.0);
-      halves.push_back(
-          {.source = &source,
-           .from = second ? 0.5 : 0.0,
-           .to = second ? 1.0 : 0.5,
-           .model = diagnose::evidence::decide(std::span(&other, 1), source.model, {}).extended});
+      halves.push_back({.source = &source,
+                        .from = second ? 0.5 : 0.0,
+                        .to = second ? 1.0 : 0.5,
+                        .model = decide(other, source.model, by_evidence).extended});
       std::fprintf(stderr, "model of %s, half %d: %zu effects\n", source.name.c_str(), second ? 1 : 2,
                    halves.back().model.effects.size());
     }
@@ -223,7 +228,7 @@ std::string line(const std::string& name, const Counts& c) {
 
 std::string runPlanted(const PlantedOptions& options) {
   const std::vector<MeasuredRecording> all = measuredRecordings(options.data, options.source);
-  const std::vector<Half> halves = halvesOf(all);
+  const std::vector<Half> halves = halvesOf(all, options.by_evidence);
   std::ofstream table;
   if (!options.out.empty()) {
     std::filesystem::create_directories(options.out);
@@ -246,8 +251,7 @@ std::string runPlanted(const PlantedOptions& options) {
       plant = drawPlant(sizeOf(data, bare, joint), joint, random);
       plantIn(recording, *plant, bare.mechanism());
     }
-    const diagnose::Diagnosis diagnosis =
-        diagnose::evidence::decide(std::span(&recording, 1), half.model, {});
+    const diagnose::Diagnosis diagnosis = decide(recording, half.model, options.by_evidence);
     for (Counts* counts : {&sum, &by_rig[half.source->rig], &by_kind[plant ? plant->kind : "nothing"]}) {
       mark(diagnosis, plant, *counts);
     }

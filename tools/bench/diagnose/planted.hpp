@@ -15,6 +15,7 @@ struct PlantedOptions {
   std::size_t cases = 100;
   std::uint64_t seed = 1;
   double plain_share = 0.4;  ///< of the cases
+  bool by_evidence = false;
 };
 
 /// Diagnoses parts of one half of a recording with the model that the other half led to, plain or with the

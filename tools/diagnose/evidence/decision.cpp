@@ -6,6 +6,7 @@
 #include "tools/diagnose/considered.hpp"
 #include "tools/diagnose/evidence/asked_motion.hpp"
 #include "tools/diagnose/evidence/inference.hpp"
+#include "tools/diagnose/evidence/sensor_noise.hpp"
 #include "tools/diagnose/evidence/thresholds.hpp"
 
 namespace patella::diagnose::evidence {
@@ -120,23 +121,35 @@ Prepared prepare(std::span<const Recording> recordings, bool pushed) {
   return {.data = std::move(data), .asked = Dataset(used, options)};
 }
 
+// What sensors and declared pushes make of each joint's torque.
+std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
+                                  double band_Hz, const DecisionOptions& options) {
+  std::vector<double> noise_Nm = sensorNoise_Nm(recordings, mechanism, band_Hz);
+  for (std::size_t j = 0; j < std::min(noise_Nm.size(), options.person_Nm.size()); ++j) {
+    noise_Nm[j] = std::hypot(noise_Nm[j], std::sqrt(threshold::kPush) * options.person_Nm[j]);
+  }
+  return noise_Nm;
+}
+
 }  // namespace
 
 Diagnosis decide(std::span<const Recording> recordings, const app::ModelDescription& model,
                  const DecisionOptions& options) {
   const Prepared prepared = prepare(recordings, !options.person_Nm.empty());
-  Inference inference(prepared.data, prepared.asked, model, recordedChannels(recordings),
-                      options.nominal_tolerance);
+  Inference inference(
+      prepared.data, prepared.asked, model, recordedChannels(recordings), options.nominal_tolerance,
+      knownNoise_Nm(recordings, app::makeModel(model).mechanism(), prepared.data.band_Hz(), options));
   const Explanation best = inference.search();
   Diagnosis result;
   result.extended = inference.describe(best);
-  bool runaway = false;
+  Found found;
   for (std::size_t e = 0; e < best.effects.size(); ++e) {
     const Family& family = *best.effects[e].family;
     if (family.isNamed()) {
+      found.effects = true;
       result.effects.push_back(findingOf(inference, best, e));
     } else if (family.variables.empty()) {
-      runaway = true;
+      found.runaway = true;
     } else {
       result.unexplained.push_back({.joint = family.joint, .variable = family.variables});
     }
@@ -144,9 +157,16 @@ Diagnosis decide(std::span<const Recording> recordings, const app::ModelDescript
   for (Dependence& rest : restOf(inference, best)) {
     result.unexplained.push_back(std::move(rest));
   }
-  result.verdict = runaway || !result.unexplained.empty() ? Verdict::kUnknownEffect
-                   : result.effects.empty()               ? Verdict::kNothingMissing
-                                                          : Verdict::kEffectFound;
+  found.functions = !result.unexplained.empty();
+  const std::vector<JointRest> rests = inference.rests(best);
+  result.verdict = verdictOf(found, rests);
+  for (std::size_t j = 0; j < rests.size(); ++j) {
+    result.noise_floor_Nm.push_back(rests[j].noise_Nm);
+    if (rests[j].isMaterial(found.effects)) {
+      result.unexplained.push_back(
+          {.joint = static_cast<int>(j), .variable = "", .explained_Nm = rests[j].structure_Nm()});
+    }
+  }
   return result;
 }
 

@@ -66,6 +66,7 @@ Evidence::Evidence(const Moments& moments, const Other& other, Eigen::Index othe
   groups_.resize(joints);
   first_.assign(joints, 0);
   count_.assign(joints, 0);
+  shares_.assign(joints, 1.0);
   for (std::size_t g = 0; g < other.groups.size(); ++g) {
     const auto joint = static_cast<std::size_t>(other.groups[g].joint);
     if (groups_[joint].empty()) {
@@ -113,12 +114,13 @@ std::vector<Evidence::Joint> Evidence::gather(std::span<const Parameter> paramet
     const Eigen::Index first = other_first_ + first_[j];
     for (int b = 0; b < moments_->bands(); ++b) {
       const auto all = moments_->products(static_cast<int>(j), b);
-      joints[j].ww.emplace_back(all.block(first, first, count_[j], count_[j]));
-      joints[j].wp.emplace_back(all(Eigen::seqN(first, count_[j]), columns));
-      joints[j].pp.emplace_back(all(columns, columns));
-      joints[j].wy.emplace_back(all.col(target).segment(first, count_[j]));
-      joints[j].py.emplace_back(all.col(target)(columns));
-      joints[j].yy.push_back(all(target, target));
+      const double share = shares_[j];
+      joints[j].ww.emplace_back(share * all.block(first, first, count_[j], count_[j]));
+      joints[j].wp.emplace_back(share * all(Eigen::seqN(first, count_[j]), columns));
+      joints[j].pp.emplace_back(share * all(columns, columns));
+      joints[j].wy.emplace_back(share * all.col(target).segment(first, count_[j]));
+      joints[j].py.emplace_back(share * all.col(target)(columns));
+      joints[j].yy.push_back(share * all(target, target));
     }
   }
   return joints;
@@ -147,8 +149,7 @@ Evidence::Solution Evidence::solve(const std::vector<Joint>& joints, std::span<c
       wy += weight * joint.wy[band];
       information += weight * joint.pp[band];
       product += weight * joint.py[band];
-      solution.score -=
-          0.5 * (moments_->coefficients(b) * std::log(levels.noise[j][b]) + weight * joint.yy[band]);
+      solution.score -= 0.5 * (coefficients(j, b) * std::log(levels.noise[j][b]) + weight * joint.yy[band]);
     }
     const Eigen::LLT<Eigen::MatrixXd> factor(ww);
     inverse.push_back(factor.solve(Eigen::MatrixXd::Identity(own.size(), own.size())));
@@ -209,13 +210,13 @@ void Evidence::reestimateNoise(const Joint& joint, const Solution& solution, std
                          2.0 * solution.cross[j].cwiseProduct(joint.wp[band]).sum() +
                          solution.covariance.cwiseProduct(joint.pp[band]).sum()) /
                         noise[b];
-    free[b] = std::max(moments_->coefficients(static_cast<int>(b)) - used, kFewestFree);
+    free[b] = std::max(coefficients(j, static_cast<int>(b)) - used, kFewestFree);
     logarithms += free[b] * std::log(std::max(left[b] / free[b], floor_[j][b]));
   }
   const double shared = std::exp(logarithms / free.sum());
   for (Eigen::Index b = 0; b < noise.size(); ++b) {
     const double most =
-        joint.yy[static_cast<std::size_t>(b)] / std::max(moments_->coefficients(static_cast<int>(b)), 1.0);
+        joint.yy[static_cast<std::size_t>(b)] / std::max(coefficients(j, static_cast<int>(b)), 1.0);
     noise[b] = std::clamp((left[b] + kShared * shared) / (free[b] + kShared), floor_[j][b],
                           std::max(most, floor_[j][b]));
   }
@@ -265,7 +266,7 @@ Evidence::Projected Evidence::beside(std::span<const Parameter> parameters, Eige
     Eigen::MatrixXd wp = Eigen::MatrixXd::Zero(count_[j], N);
     for (int b = 0; b < moments_->bands(); ++b) {
       const auto products = moments_->products(static_cast<int>(j), b);
-      const double weight = 1.0 / levels.noise[j][b];
+      const double weight = shares_[j] / levels.noise[j][b];
       ww += weight * products.block(first, first, count_[j], count_[j]);
       wp += weight * products(Eigen::seqN(first, count_[j]), all);
       whole += weight * products(all, all);

@@ -43,6 +43,11 @@ class Evidence {
   Evidence(const Moments& moments, const Other& other, Eigen::Index other_first,
            std::vector<Eigen::VectorXd> floor);
 
+  /// Share of each joint's coefficients that count as independent: its likelihood is taken to that power, as
+  /// of a sample that comes from near the model and not from it (Miller and Dunson, Journal of the American
+  /// Statistical Association 114, 2019). 1 until then.
+  void countAsIndependent(std::vector<double> shares) { shares_ = std::move(shares); }
+
   /// `target`: column that the parameters are to explain. The best of `rounds` + 1 estimates of the levels,
   /// each from the one before.
   Posterior of(std::span<const Parameter> parameters, Eigen::Index target, const Levels& start,
@@ -69,6 +74,9 @@ class Evidence {
   Levels reestimated(const std::vector<Joint>& joints, const Solution& solution, const Levels& levels) const;
   void reestimateNoise(const Joint& joint, const Solution& solution, std::size_t j,
                        Eigen::VectorXd& noise) const;
+  double coefficients(std::size_t joint, int band) const {
+    return shares_[joint] * moments_->coefficients(band);
+  }
   /// Prior precision of a joint's other functions.
   Eigen::VectorXd precision(std::size_t joint, const Levels& levels) const;
 
@@ -76,6 +84,7 @@ class Evidence {
   const Other* other_;
   Eigen::Index other_first_;
   std::vector<Eigen::VectorXd> floor_;
+  std::vector<double> shares_;
   std::vector<std::vector<std::size_t>> groups_;  ///< of each joint
   std::vector<Eigen::Index> first_, count_;       ///< of each joint's other functions
 };

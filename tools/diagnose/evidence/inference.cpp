@@ -34,12 +34,13 @@ model::BaseParameters baseOf(const app::MechanismDescription& mechanism) {
 }  // namespace
 
 Inference::Inference(const Dataset& data, const Dataset& asked, const app::ModelDescription& nominal,
-                     std::span<const int> channels, double nominal_tolerance)
+                     std::span<const int> channels, double nominal_tolerance, std::vector<double> noise_Nm)
     : data_(&data),
       asked_(&asked),
       nominal_(nominal),
       bare_(app::makeModel({.mechanism = nominal.mechanism, .effects = {}})),
-      moments_(data) {
+      moments_(data),
+      noise_Nm_(std::move(noise_Nm)) {
   const JointVector zero = JointVector::Zero(data.joints());
   const model::BaseParameters base = bare_.mechanism().baseParameters();
   const Eigen::MatrixXd regressor = data.regressor(bare_.mechanism(), zero);
@@ -235,6 +236,36 @@ Explanation Inference::explain(std::vector<Candidate> effects, const Levels& sta
     }
   }
   return result;
+}
+
+std::vector<JointRest> Inference::rests(const Explanation& explanation) const {
+  /// Below this share of its load a joint is not driven: the torque column is a sensor's zero.
+  constexpr double kDriven = 0.05;
+  const Eigen::VectorXd rest = residual(explanation);
+  const Column drive = data_->driveTorque();
+  const auto rms = [&](const Eigen::VectorXd& values, std::size_t j) {
+    return values.segment(static_cast<Eigen::Index>(j) * data_->rows(), data_->rows()).norm() /
+           std::sqrt(static_cast<double>(data_->rows()));
+  };
+  std::vector<JointRest> all;
+  for (std::size_t j = 0; j < noise_Nm_.size(); ++j) {
+    const double drive_Nm = rms(drive, j);
+    all.push_back({.torque_Nm = drive_Nm > kDriven * load_Nm_[j] ? drive_Nm : load_Nm_[j],
+                   .left_Nm = rms(rest, j),
+                   .noise_Nm = noise_Nm_[j]});
+  }
+  return all;
+}
+
+void Inference::countLooks(const Explanation& explanation) {
+  std::vector<double> shares;
+  for (const JointRest& rest : rests(explanation)) {
+    const double noise = std::min(std::pow(rest.noise_Nm / rest.left_Nm, 2), 1.0);
+    shares.push_back(noise + (1.0 - noise) * std::min(threshold::kLooks / moments_.coefficients(), 1.0));
+  }
+  without_other_->countAsIndependent(shares);
+  evidence_->countAsIndependent(shares);
+  plain_ = explain({}, plain_.posterior.levels, kFirstRounds);
 }
 
 double Inference::structure(const Explanation& explanation) const {

@@ -11,6 +11,7 @@
 #include "tools/diagnose/evidence/families.hpp"
 #include "tools/diagnose/evidence/moments.hpp"
 #include "tools/diagnose/evidence/other.hpp"
+#include "tools/diagnose/evidence/verdict.hpp"
 
 namespace patella::diagnose::evidence {
 
@@ -38,9 +39,10 @@ struct Explanation {
 
 class Inference {
  public:
-  /// `data`, and `asked`, the same recordings with the motion that was asked for, have to outlive it.
+  /// `noise_Nm`: rms of what sensors and declared pushes make of each joint's torque. `data`, and `asked`,
+  /// the same recordings with the motion that was asked for, have to outlive it.
   Inference(const Dataset& data, const Dataset& asked, const app::ModelDescription& nominal,
-            std::span<const int> channels, double nominal_tolerance);
+            std::span<const int> channels, double nominal_tolerance, std::vector<double> noise_Nm);
 
   /// The nominal model within its tolerance.
   const Explanation& plain() const noexcept { return plain_; }
@@ -55,6 +57,8 @@ class Inference {
     double other_Nm = 0.0;  ///< what other functions hold
   };
   std::vector<Left> left(const Explanation& explanation) const;
+  /// What an explanation leaves; other functions explain nothing here.
+  std::vector<JointRest> rests(const Explanation& explanation) const;
   /// Nats by which the recordings are likelier with other functions beside an explanation than without.
   double structure(const Explanation& explanation) const;
   const Other& other() const noexcept { return other_; }
@@ -74,8 +78,11 @@ class Inference {
   Explanation explain(std::vector<Candidate> effects, const Levels& start, int rounds) const;
   Explanation refined(Explanation explanation);
   bool moveShapes(const Explanation& explanation, std::vector<Candidate>& moved);
+  /// What no noise makes is no new look at the machine in each coefficient.
+  void countLooks(const Explanation& explanation);
+  Explanation grown(Explanation best);
   Explanation withOneMore(const Explanation& best);
-  Explanation withoutNeedless(Explanation best) const;
+  Explanation withoutNeedless(Explanation best, std::size_t kept) const;
   Explanation exchanged(Explanation best);
   void findEquivalent(Explanation& best);
   std::vector<Candidate> screened(const Explanation& at, std::size_t most) const;
@@ -97,7 +104,7 @@ class Inference {
   Eigen::VectorXd target_values_;
   Eigen::Index target_ = 0;
   std::vector<Family> declared_;  ///< each declared effect, beyond its tolerance
-  std::vector<double> load_Nm_;
+  std::vector<double> load_Nm_, noise_Nm_;
   std::vector<Candidate> lasting_;   ///< of motion
   std::vector<Candidate> changing_;  ///< of the drive, and oscillations: they depend on what was found
   std::unique_ptr<Evidence> evidence_, without_other_;

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
 
-#include <fftw3.h>
+#include "tools/diagnose/evidence/cosine_transform.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {
@@ -13,29 +12,6 @@ namespace {
 /// A band has to tell its level from its own coefficients.
 constexpr double kFewestInBand = 6.0;
 constexpr double kLowestEdge_Hz = 0.25;
-
-// Orthonormal DCT-II of one stretch, in place.
-class CosineTransform {
- public:
-  explicit CosineTransform(Eigen::Index length)
-      : values_(length),
-        plan_(fftw_plan_r2r_1d(static_cast<int>(length), values_.data(), values_.data(), FFTW_REDFT10,
-                               FFTW_ESTIMATE),
-              fftw_destroy_plan) {}
-
-  const Eigen::VectorXd& of(const Eigen::Ref<const Eigen::VectorXd>& stretch) {
-    values_ = stretch;
-    fftw_execute(plan_.get());
-    const auto length = static_cast<double>(values_.size());
-    values_ /= std::sqrt(2.0 * length);
-    values_[0] /= std::sqrt(2.0);
-    return values_;
-  }
-
- private:
-  Eigen::VectorXd values_;
-  std::unique_ptr<fftw_plan_s, void (*)(fftw_plan)> plan_;
-};
 
 }  // namespace
 

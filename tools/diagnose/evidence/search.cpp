@@ -52,16 +52,26 @@ std::vector<Candidate> without(std::vector<Candidate> effects, std::size_t index
 }  // namespace
 
 Explanation Inference::search() {
+  constexpr int kCounts = 3;  // what was missing may have hidden how little is left
   Explanation best = plain_;
+  for (int count = 0; count < kCounts; ++count) {
+    countLooks(best);
+    best = grown(withoutNeedless(explain(best.effects, best.posterior.levels, kRounds), 0));
+  }
+  findEquivalent(best);
+  return best;
+}
+
+// Effects are added while they make the recordings likelier.
+Explanation Inference::grown(Explanation best) {
   while (best.effects.size() < kMostEffects) {
     Explanation next = withOneMore(best);
     if (next.score < best.score + threshold::kLeastGain) {
       break;
     }
-    best = exchanged(withoutNeedless(std::move(next)));
+    best = exchanged(withoutNeedless(std::move(next), 1));
     renew(best);
   }
-  findEquivalent(best);
   return best;
 }
 
@@ -76,9 +86,9 @@ Explanation Inference::withOneMore(const Explanation& best) {
   return next.score > best.score ? refined(std::move(next)) : next;
 }
 
-// What the newest effect has made needless goes.
-Explanation Inference::withoutNeedless(Explanation best) const {
-  for (std::size_t e = 0; e + 1 < best.effects.size();) {
+// What has become needless goes; the newest `kept` are not looked at.
+Explanation Inference::withoutNeedless(Explanation best, std::size_t kept) const {
+  for (std::size_t e = 0; e + kept < best.effects.size();) {
     Explanation trial = explain(without(best.effects, e), best.posterior.levels, kRounds);
     if (trial.possible && trial.score > best.score - threshold::kLeastGain) {
       best = std::move(trial);
