@@ -21,6 +21,7 @@
 #include "tools/diagnose/free_function.hpp"
 #include "tools/diagnose/friction_smoothing.hpp"
 #include "tools/diagnose/heldout_elimination.hpp"
+#include "tools/diagnose/joint_rest.hpp"
 #include "tools/diagnose/late_drive.hpp"
 #include "tools/diagnose/model_error.hpp"
 #include "tools/diagnose/plausibility.hpp"
@@ -115,6 +116,7 @@ class Procedure {
         options_.seed + 104729);
     decide(*last.fitter, first.nominal, last.selection, dependences);
     compareRecordings(last.selection.fit);
+    judgeRest(last.fitter->onWholeTorque(last.selection.fit).residual);
     judgeExcitation(signals_, *train_, last.selection.fit, last.atoms, options_.nominal_tolerance, result_);
     report("errors", 0.0);
     judgeByErrors({.train = *train_,
@@ -336,6 +338,30 @@ class Procedure {
     result_.unexplained.insert(result_.unexplained.begin(), found.dependences.begin(),
                                found.dependences.end());
     result_.warnings.insert(result_.warnings.end(), found.what.begin(), found.what.end());
+  }
+
+  // A noise model takes up whatever is slow or periodic; sensors make noise of a size of their own.
+  void judgeRest(const Column& left) {
+    const model::DynamicsModel bare = app::makeModel({.mechanism = model_.mechanism, .effects = {}});
+    const std::vector<JointRest> rests =
+        jointRests(*train_, bare.mechanism(), left,
+                   knownNoise_Nm(parts_.train, bare.mechanism(), train_->band_Hz(), options_.person_Nm));
+    for (const JointRest& rest : rests) {
+      result_.rests.push_back(
+          {.torque_Nm = rest.torque_Nm, .structure_Nm = rest.structure_Nm(), .noise_Nm = rest.noise_Nm});
+    }
+    const auto worst = std::max_element(rests.begin(), rests.end(), [](const auto& a, const auto& b) {
+      return a.structure_Nm() * b.torque_Nm < b.structure_Nm() * a.torque_Nm;
+    });
+    if (result_.verdict == Verdict::kNothingMissing && worst->exceeds(kMaterialRest)) {
+      result_.verdict = Verdict::kUnknownEffect;
+      result_.explanation = fmt::format(
+          "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, "
+          "where sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",
+          worst->structure_Nm(), result_.torque_unit, worst - rests.begin() + 1,
+          100.0 * worst->structure_Nm() / worst->torque_Nm,
+          options_.person_Nm.empty() ? "" : " and declared pushes", worst->noise_Nm, result_.torque_unit);
+    }
   }
 
   // Nothing was fitted: the model stays as it was given.

@@ -30,6 +30,9 @@ struct DiagnoseOptions {
   int bootstrap_replicates = 499;
   /// Standard deviation, relative, by which the nominal masses, centres of mass and inertias may be wrong.
   double nominal_tolerance = 0.10;
+  /// rms of what a person pushes with, N·m, joint by joint, as who made the recording declares it; empty:
+  /// nobody pushes.
+  std::vector<double> person_Nm{};
   double family_wise_p = 0.005;  ///< a step is accepted below this
   Gates gates;
   /// Called from the diagnosing thread at each stage and in between; fraction 0…1 of the stage.

@@ -121,6 +121,13 @@ struct JointCurves {
   std::vector<bool> heldout;
 };
 
+/// What the model that was found leaves of a joint's torque below the band's edge: rms, N·m.
+struct RestOfJoint {
+  double torque_Nm = 0.0;     ///< of the drive; of the model's load where the joint is not driven
+  double structure_Nm = 0.0;  ///< beyond noise
+  double noise_Nm = 0.0;      ///< what sensors and declared pushes make
+};
+
 struct InputFile {
   std::string path;
   std::string sha256;
@@ -142,6 +149,7 @@ struct Diagnosis {
   ErrorMeasure refitted;  ///< its nominal parameters refitted, nothing added
   ErrorMeasure after;     ///< with what was found
   std::vector<double> noise_floor_Nm;
+  std::vector<RestOfJoint> rests;  ///< of each joint, on the data that were fitted
   double simulation_window_s = 0.0;
   Excitation excitation;
   std::vector<Dependence> unexplained;

@@ -112,6 +112,9 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
                   {"after", describeError(diagnosis.after)},
                   {"noise_floor", diagnosis.noise_floor_Nm},
                   {"unit", unitsOf(diagnosis).torque}};
+  out["rest"] = list(diagnosis.rests, [](const RestOfJoint& rest) -> Json {
+    return {{"torque", rest.torque_Nm}, {"beyond_noise", rest.structure_Nm}, {"noise", rest.noise_Nm}};
+  });
   out["simulation_error"] = {{"window_s", diagnosis.simulation_window_s},
                              {"before", diagnosis.before.simulation_rms_rad},
                              {"after", diagnosis.after.simulation_rms_rad},

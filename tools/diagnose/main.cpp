@@ -35,6 +35,8 @@ using namespace patella::diagnose;
 
 /// With fewer, no effect could stand out from chance at 0.5 %, however strong.
 constexpr int kFewestReplicates = 299;
+/// What nobody's leg exerts (strongest knee extensors: some 400 N·m).
+constexpr double kStrongestPerson_Nm = 500.0;
 
 struct Arguments {
   fs::path model;
@@ -84,6 +86,11 @@ void declare(CLI::App& app, Arguments& a) {
                  "of the bootstrap that tells effects from chance")
       ->check(CLI::Range(kFewestReplicates, 100000))
       ->capture_default_str();
+  app.add_option("--person", a.options.person_Nm,
+                 "rms of what a person pushes with, N·m, one for each joint, separated by commas; nobody "
+                 "pushes unless given")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, kStrongestPerson_Nm));
   app.add_option("--nominal-tolerance", a.options.nominal_tolerance,
                  "standard deviation, relative, by which masses, centres of mass and inertias may be wrong")
       ->check(CLI::Range(1e-4, 1.0))
@@ -188,6 +195,11 @@ void run(Arguments& a) {
   }
   const app::ModelDescription model = app::loadModel(a.model);
   a.recording.joints = model.joints();
+  if (!a.options.person_Nm.empty() &&
+      a.options.person_Nm.size() != static_cast<std::size_t>(model.joints())) {
+    throw std::invalid_argument(fmt::format("--person: {} values, expected {}, one for each joint of {}",
+                                            a.options.person_Nm.size(), model.joints(), a.model.string()));
+  }
   ResultFolder folder(a.out);
   ProgressLine progress(std::cerr, isatty(STDERR_FILENO) == 1);
   const std::vector<Recording> recordings = loadAll(a.data, a.recording, progress);

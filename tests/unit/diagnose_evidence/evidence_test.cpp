@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/unit/diagnose_evidence/swinging_joint.hpp"
+#include "tests/support/swinging_joint.hpp"
 #include "tools/diagnose/evidence/series_columns.hpp"
 
 namespace patella::diagnose::evidence {
@@ -43,6 +43,19 @@ Recording bareTorque(double noise_Nm, const std::function<double(const Motion&)>
     recording.torque_Nm[0][i] -= rigid.torque_Nm[0][i];
   }
   return recording;
+}
+
+TEST_CASE("a tenth of the looks is a tenth of the information") {
+  const Recording recording = bareTorque(0.05, [](const Motion& motion) { return 0.02 * motion.dq; });
+  const Scene scene(recording);
+  Evidence evidence(scene.moments, scene.none, scene.other_first, scene.floor());
+  const Levels levels = evidence.usual(scene.target, 0.0);
+  const std::vector<Parameter> any{{scene.velocity, 1e6}};
+  const Posterior all = evidence.of(any, scene.target, levels, 0);
+  evidence.countAsIndependent({0.1});
+  const Posterior few = evidence.of(any, scene.target, levels, 0);
+  CHECK(few.mean[0] == doctest::Approx(all.mean[0]));
+  CHECK(few.covariance(0, 0) == doctest::Approx(10.0 * all.covariance(0, 0)));
 }
 
 TEST_CASE("a column's evidence at fixed levels is the Bayes factor of one normal coefficient") {

@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "core/model/effect.hpp"
-#include "tests/unit/diagnose_evidence/swinging_joint.hpp"
+#include "tests/support/swinging_joint.hpp"
 #include "tools/diagnose/evidence/drive_kinds.hpp"
 #include "tools/diagnose/evidence/series_columns.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/unit/diagnose_evidence/swinging_joint.hpp"
+#include "tests/support/swinging_joint.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

@@ -131,6 +131,7 @@ CaseResult runCase(const Options& options, std::size_t index) {
     how.seed = drawn.seed;
     how.bootstrap_replicates = options.replicates;
     how.gates = gatesWithout(options.without);
+    how.person_Nm.assign(drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.begin() + drawn.nominal.joints());
     if (options.by_evidence) {
       result.diagnosis =
           diagnose::evidence::decide(std::span(&drawn.run.recording, 1), drawn.nominal,

@@ -6,8 +6,8 @@
 #include "tools/diagnose/considered.hpp"
 #include "tools/diagnose/evidence/asked_motion.hpp"
 #include "tools/diagnose/evidence/inference.hpp"
-#include "tools/diagnose/evidence/sensor_noise.hpp"
 #include "tools/diagnose/evidence/thresholds.hpp"
+#include "tools/diagnose/joint_rest.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {
@@ -121,24 +121,15 @@ Prepared prepare(std::span<const Recording> recordings, bool pushed) {
   return {.data = std::move(data), .asked = Dataset(used, options)};
 }
 
-// What sensors and declared pushes make of each joint's torque.
-std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
-                                  double band_Hz, const DecisionOptions& options) {
-  std::vector<double> noise_Nm = sensorNoise_Nm(recordings, mechanism, band_Hz);
-  for (std::size_t j = 0; j < std::min(noise_Nm.size(), options.person_Nm.size()); ++j) {
-    noise_Nm[j] = std::hypot(noise_Nm[j], std::sqrt(threshold::kPush) * options.person_Nm[j]);
-  }
-  return noise_Nm;
-}
-
 }  // namespace
 
 Diagnosis decide(std::span<const Recording> recordings, const app::ModelDescription& model,
                  const DecisionOptions& options) {
   const Prepared prepared = prepare(recordings, !options.person_Nm.empty());
-  Inference inference(
-      prepared.data, prepared.asked, model, recordedChannels(recordings), options.nominal_tolerance,
-      knownNoise_Nm(recordings, app::makeModel(model).mechanism(), prepared.data.band_Hz(), options));
+  Inference inference(prepared.data, prepared.asked, model, recordedChannels(recordings),
+                      options.nominal_tolerance,
+                      knownNoise_Nm(recordings, app::makeModel(model).mechanism(), prepared.data.band_Hz(),
+                                    options.person_Nm));
   const Explanation best = inference.search();
   Diagnosis result;
   result.extended = inference.describe(best);
@@ -162,7 +153,7 @@ Diagnosis decide(std::span<const Recording> recordings, const app::ModelDescript
   result.verdict = verdictOf(found, rests);
   for (std::size_t j = 0; j < rests.size(); ++j) {
     result.noise_floor_Nm.push_back(rests[j].noise_Nm);
-    if (rests[j].isMaterial(found.effects)) {
+    if (rests[j].exceeds(allowedRest(found))) {
       result.unexplained.push_back(
           {.joint = static_cast<int>(j), .variable = "", .explained_Nm = rests[j].structure_Nm()});
     }

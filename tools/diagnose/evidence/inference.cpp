@@ -44,16 +44,8 @@ Inference::Inference(const Dataset& data, const Dataset& asked, const app::Model
   const JointVector zero = JointVector::Zero(data.joints());
   const model::BaseParameters base = bare_.mechanism().baseParameters();
   const Eigen::MatrixXd regressor = data.regressor(bare_.mechanism(), zero);
-  const Column torque = data.driveTorque();
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    double load = torque.segment(joint * data.rows(), data.rows()).squaredNorm();
-    for (Eigen::Index k = 0; k < base.size(); ++k) {
-      load = std::max(load,
-                      (regressor.col(k).segment(joint * data.rows(), data.rows()) * base[k]).squaredNorm());
-    }
-    load_Nm_.push_back(std::sqrt(load / static_cast<double>(data.rows())));
-  }
-  target_values_ = torque - regressor * base;
+  load_Nm_ = loads_Nm(data, bare_.mechanism());
+  target_values_ = data.driveTorque() - regressor * base;
   const Eigen::MatrixXd asked_regressor = asked.regressor(bare_.mechanism(), zero);
   addMechanism(asked_regressor, nominal_tolerance);
   other_ = otherFunctions(asked, channels, fixed_columns_);
@@ -239,22 +231,7 @@ Explanation Inference::explain(std::vector<Candidate> effects, const Levels& sta
 }
 
 std::vector<JointRest> Inference::rests(const Explanation& explanation) const {
-  /// Below this share of its load a joint is not driven: the torque column is a sensor's zero.
-  constexpr double kDriven = 0.05;
-  const Eigen::VectorXd rest = residual(explanation);
-  const Column drive = data_->driveTorque();
-  const auto rms = [&](const Eigen::VectorXd& values, std::size_t j) {
-    return values.segment(static_cast<Eigen::Index>(j) * data_->rows(), data_->rows()).norm() /
-           std::sqrt(static_cast<double>(data_->rows()));
-  };
-  std::vector<JointRest> all;
-  for (std::size_t j = 0; j < noise_Nm_.size(); ++j) {
-    const double drive_Nm = rms(drive, j);
-    all.push_back({.torque_Nm = drive_Nm > kDriven * load_Nm_[j] ? drive_Nm : load_Nm_[j],
-                   .left_Nm = rms(rest, j),
-                   .noise_Nm = noise_Nm_[j]});
-  }
-  return all;
+  return jointRests(*data_, bare_.mechanism(), residual(explanation), noise_Nm_);
 }
 
 void Inference::countLooks(const Explanation& explanation) {

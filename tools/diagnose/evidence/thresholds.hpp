@@ -14,16 +14,12 @@ inline constexpr double kLeastStructure = 10.0;
 /// Independent looks at a joint's structure that no recording exceeds: what is left by a model that is wrong
 /// is a function of the motion, which says the same again and again however long it is watched.
 inline constexpr double kLooks = 12.0;
-/// Times the declared variance that a person's pushes may have in one recording.
-inline constexpr double kPush = 2.0;
 /// Share (rms) of what was missing from which structure without a name is something else that is missing;
 /// what is less is the difference between the form of a named effect and the machine's.
 inline constexpr double kMaterialShare = 0.35;
 /// Share of a joint's torque (rms) that a model of which nothing is said to be missing may leave beyond
 /// noise.
 inline constexpr double kNegligibleRest = 0.05;
-/// The same beside effects that were found: machines leave a tenth to a fifth with the best model of them.
-inline constexpr double kMaterialRest = 0.2;
 /// Error of the best rigid-body model as a share of its torque: no model is better, whatever sensors resolve.
 inline constexpr double kRigidDiscrepancy = 0.01;
 

@@ -4,24 +4,19 @@
 #include <span>
 
 #include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/joint_rest.hpp"
 
 namespace patella::diagnose::evidence {
-
-/// rms values below the band's edge, N·m.
-struct JointRest {
-  double torque_Nm = 0.0;  ///< of the drive; of the load that the model has, where the joint is not driven
-  double left_Nm = 0.0;    ///< what the model leaves with everything that was found
-  double noise_Nm = 0.0;   ///< what sensors and declared pushes make
-  double structure_Nm() const noexcept;  ///< what is left beyond noise
-  /// More than a model may leave; `beside_effects`: of which effects are said to be missing, not nothing.
-  bool isMaterial(bool beside_effects) const noexcept;
-};
 
 struct Found {
   bool effects = false;    ///< one of the library explains what was missing
   bool functions = false;  ///< so does a function of motion or time without a name
   bool runaway = false;    ///< the given parameters have to leave their tolerance
 };
+
+/// Share of a joint's torque that may be left beyond noise: of what is said to lack nothing, or to lack what
+/// was found.
+double allowedRest(const Found& found) noexcept;
 
 /// In this order: something that has no name, effects, a rest that is too large for "nothing", nothing.
 Verdict verdictOf(const Found& found, std::span<const JointRest> joints) noexcept;

@@ -1,13 +1,13 @@
-#include "tools/diagnose/evidence/sensor_noise.hpp"
+#include "tools/diagnose/sensor_noise.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "tools/diagnose/evidence/cosine_transform.hpp"
+#include "tools/signals/cosine_transform.hpp"
 
-namespace patella::diagnose::evidence {
+namespace patella::diagnose {
 namespace {
 
 /// An octave has to tell its level.
@@ -19,7 +19,7 @@ using Signals = std::array<std::vector<double>, kMaxJoints>;
 double quietest(std::span<const double> signal, double rate_Hz, double low_Hz) {
   const auto length = static_cast<Eigen::Index>(signal.size());
   const double step_Hz = 0.5 * rate_Hz / static_cast<double>(length);
-  CosineTransform transform(length);
+  offline::CosineTransform transform(length);
   const Eigen::VectorXd& spectrum = transform.of(Eigen::Map<const Eigen::VectorXd>(signal.data(), length));
   double least = 0.0;
   for (double edge_Hz = low_Hz; 2.0 * edge_Hz <= 0.5 * rate_Hz; edge_Hz *= 2.0) {
@@ -87,4 +87,4 @@ std::vector<double> sensorNoise_Nm(std::span<const Recording> recordings, const 
   return noise_Nm;
 }
 
-}  // namespace patella::diagnose::evidence
+}  // namespace patella::diagnose

@@ -7,7 +7,7 @@
 #include "core/model/mechanism.hpp"
 #include "tools/recordings/recording.hpp"
 
-namespace patella::diagnose::evidence {
+namespace patella::diagnose {
 
 /// rms of each joint's sensor noise below `band_Hz`, N·m: the torque's own, and the encoders', whose second
 /// derivative moves the mechanism's inertia. Each signal's noise is what lies in its quietest octave above
@@ -15,4 +15,4 @@ namespace patella::diagnose::evidence {
 std::vector<double> sensorNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
                                    double band_Hz);
 
-}  // namespace patella::diagnose::evidence
+}  // namespace patella::diagnose

@@ -1,0 +1,68 @@
+#include "tools/diagnose/joint_rest.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/swinging_joint.hpp"
+#include "tools/diagnose/diagnose.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kNoise_Nm = 0.05;
+
+Diagnosis of(const std::function<double(const Motion&)>& missing, double person_Nm) {
+  const Recording recording = swinging(40.0, kNoise_Nm, missing);
+  DiagnoseOptions options;
+  options.person_Nm = {person_Nm};
+  return diagnose(std::span(&recording, 1), {}, pendulum(), options);
+}
+
+/// A person who pushes slowly, now here, now there.
+double push(const Motion& motion) {
+  return 2.4 * std::sin(0.7 * motion.time_s) + 1.8 * std::sin(0.31 * motion.time_s + 1.0);
+}
+
+TEST_CASE("what noise explains is not structure") {
+  const JointRest rest{.torque_Nm = 2.0, .left_Nm = std::hypot(0.3, 0.1), .noise_Nm = 0.1};
+  CHECK(rest.structure_Nm() == doctest::Approx(0.3));
+  CHECK(rest.exceeds(0.14));
+  CHECK(!rest.exceeds(0.16));
+  CHECK(JointRest{.torque_Nm = 1.0, .left_Nm = 0.05, .noise_Nm = 0.1}.structure_Nm() == 0.0);
+}
+
+TEST_CASE("a joint without a drive is measured against its load") {
+  Recording recording = swinging(40.0, 0.0, [](const Motion&) { return 0.0; });
+  const model::DynamicsModel model = app::makeModel(pendulum());
+  const auto torqueOf = [&] {
+    const Dataset data(std::span(&recording, 1), {});
+    return jointRests(data, model.mechanism(), Column::Zero(data.rows()), std::array{0.0}).at(0).torque_Nm;
+  };
+  const double driven_Nm = torqueOf();
+  std::fill(recording.torque_Nm[0].begin(), recording.torque_Nm[0].end(), 0.001);
+  const double load_Nm = torqueOf();
+  CHECK(driven_Nm > 1.0);
+  CHECK(load_Nm > 1.0);
+}
+
+TEST_CASE("a slow torque of a third of the joint's is not called nothing, but for a push that was declared") {
+  CHECK(of(push, 0.0).verdict != Verdict::kNothingMissing);
+  const Diagnosis declared = of(push, 2.1);
+  REQUIRE(declared.rests.size() == 1);
+  CHECK(declared.rests[0].noise_Nm > 2.1);
+  CHECK(declared.rests[0].structure_Nm < 0.2 * declared.rests[0].torque_Nm);
+}
+
+TEST_CASE("where nothing is missing, sensors make what is left") {
+  const Diagnosis diagnosis = of([](const Motion&) { return 0.0; }, 0.0);
+  CHECK(diagnosis.verdict == Verdict::kNothingMissing);
+  REQUIRE(diagnosis.rests.size() == 1);
+  CHECK(diagnosis.rests[0].structure_Nm < 0.02 * diagnosis.rests[0].torque_Nm);
+}
+
+}  // namespace
+}  // namespace patella::diagnose
