@@ -335,8 +335,7 @@ CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::stri
       read_row();
       ++table.rows_;
     } catch (const FileError&) {
-      const bool is_only = table.rows_ == 0;
-      if (!options.allow_cut_off || is_only || !parser.endedBy(header.size()) || parser.more()) {
+      if (!options.allow_cut_off || table.rows_ == 0 || !parser.endedBy(header.size()) || parser.more()) {
         throw;
       }
       table.cut_off_line_ = parser.lineNumber();

@@ -27,6 +27,7 @@ struct CsvOptions {
   /// signal has arrived; otherwise they are errors.
   bool allow_missing = false;
   /// A last line that lacks cells, as where the program that wrote it was killed, is left out: cutOffLine().
+  /// The first row is never left out.
   bool allow_cut_off = false;
 };
 

@@ -75,7 +75,7 @@ TEST_CASE("a last line that lacks cells is left out where that is allowed") {
   CHECK_FALSE(read("t_s,q\n0,1\n1,5\n", options).cutOffLine());
   CHECK(errorOf("t_s,q\n0,1\n1\n2,3\n", options) == "run.csv:3: 1 cells, expected 2 as in the header");
   CHECK(errorOf("t_s,q\n0,1\nx,1\n", options) == "run.csv:3: column 't_s': value 'x', expected a number");
-  CHECK(errorOf("t_s,q\n0\n", options) == "run.csv:2: 0 rows of numbers, expected at least 1");
+  CHECK(errorOf("t_s,q\n0\n", options) == "run.csv:2: 1 cells, expected 2 as in the header");
 }
 
 TEST_CASE("malformed files are refused with file, line, column, value and expectation") {
