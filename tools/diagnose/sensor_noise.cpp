@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/signals/cosine_transform.hpp"
+#include "tools/diagnose/cosine_transform.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -19,7 +19,7 @@ using Signals = std::array<std::vector<double>, kMaxJoints>;
 double quietest(std::span<const double> signal, double rate_Hz, double low_Hz) {
   const auto length = static_cast<Eigen::Index>(signal.size());
   const double step_Hz = 0.5 * rate_Hz / static_cast<double>(length);
-  offline::CosineTransform transform(length);
+  CosineTransform transform(length);
   const Eigen::VectorXd& spectrum = transform.of(Eigen::Map<const Eigen::VectorXd>(signal.data(), length));
   double least = 0.0;
   for (double edge_Hz = low_Hz; 2.0 * edge_Hz <= 0.5 * rate_Hz; edge_Hz *= 2.0) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tools/signals/cosine_transform.hpp"
+#include "tools/diagnose/cosine_transform.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {
@@ -82,7 +82,7 @@ Eigen::Index Moments::append(const Eigen::Ref<const Eigen::MatrixXd>& columns) {
   std::size_t at = 0;
   for (const Block& block : data_->blocks()) {
     const Eigen::Index length = block.end - block.first;
-    offline::CosineTransform transform(length);
+    CosineTransform transform(length);
     for (int joint = 0; joint < joints(); ++joint) {
       Eigen::MatrixXd& spectrum = spectra_[static_cast<std::size_t>(joint)];
       for (Eigen::Index c = 0; c < added; ++c) {

@@ -1,11 +1,11 @@
-#include "tools/signals/cosine_transform.hpp"
+#include "tools/diagnose/cosine_transform.hpp"
 
 #include <cmath>
 #include <mutex>
 
 #include <fftw3.h>
 
-namespace patella::offline {
+namespace patella::diagnose {
 namespace {
 
 // FFTW plans in one thread at a time (its manual, "Thread safety"); executing is safe.
@@ -33,4 +33,4 @@ const Eigen::VectorXd& CosineTransform::of(const Eigen::Ref<const Eigen::VectorX
   return values_;
 }
 
-}  // namespace patella::offline
+}  // namespace patella::diagnose

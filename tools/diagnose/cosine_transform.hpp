@@ -7,7 +7,7 @@
 
 struct fftw_plan_s;
 
-namespace patella::offline {
+namespace patella::diagnose {
 
 /// Orthonormal DCT-II, whose even continuation leaks less than the Fourier transform's jump. Coefficient k
 /// belongs to the frequency rate·k / (2·length). Several threads may have one each.
@@ -25,4 +25,4 @@ class CosineTransform {
   std::unique_ptr<fftw_plan_s, Destroy> plan_;
 };
 
-}  // namespace patella::offline
+}  // namespace patella::diagnose
