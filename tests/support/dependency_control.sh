@@ -14,3 +14,11 @@ rm "$root/drivers/bad.cpp"
 
 printf '// comment\n#include <toml++/toml.h>\n' >"$root/core/model/bad.hpp"
 expect 1 "core/model/bad.hpp:2: includes toml++/toml.h"
+rm "$root/core/model/bad.hpp"
+
+mkdir -p "$root/tools/diagnose/fit" "$root/tools/diagnose/verdict"
+echo '#include "tools/diagnose/fit/model_fit.hpp"' >"$root/tools/diagnose/verdict/good.cpp"
+expect 0 "one way"
+
+echo '#include "tools/diagnose/verdict/verdict.hpp"' >"$root/tools/diagnose/fit/bad.cpp"
+expect 1 "tools/diagnose/fit/bad.cpp:1: includes tools/diagnose/verdict/verdict.hpp"

@@ -35,5 +35,18 @@ while IFS=: read -r file line text; do
 done < <(sources core | xargs -r grep -nHoE '^#include <[^>]+>' | sed -E 's/#include <([^>]+)>/\1/' |
   grep -vE ':(Eigen/[A-Za-z]+|[a-z_0-9]+|[ei]mmintrin\.h|arm_neon\.h)$' || true)
 
+# Rooms of the diagnosis, in the way that a recording goes: each may include itself and what stands before it.
+rooms=(result regression effects fit checks search evidence verdict output)
+for index in "${!rooms[@]}"; do
+  room=tools/diagnose/${rooms[$index]}
+  [ -d "$room" ] || continue
+  allowed=$(IFS='|'; echo "${rooms[*]:0:index+1}")
+  while IFS=: read -r file line text; do
+    [ -n "$file" ] || continue
+    fail "$file:$line: includes $text; $room may include of the diagnosis only ${allowed//|/, }"
+  done < <(sources "$room" | xargs -r grep -nHoE '^#include "tools/diagnose/[^"]+"' | sed -E 's/#include "([^"]+)"/\1/' |
+    grep -vE ":tools/diagnose/($allowed)/" || true)
+done
+
 [ "$status" -ne 0 ] || echo "dependencies point one way: ${order[*]}"
 exit "$status"

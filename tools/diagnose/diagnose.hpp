@@ -9,19 +9,11 @@
 #include <vector>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/search/gates.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
-
-/// What a step of the search has to pass; one is left out to see what it is good for.
-struct Gates {
-  bool share = true;             ///< a share of the residual that anyone would miss
-  bool chance = true;            ///< family-wise p of a parametric bootstrap
-  bool cross_validation = true;  ///< gain on folds that were not fitted
-  bool stability = true;         ///< gain on most block bootstraps
-  bool heldout = true;           ///< smaller error on the held-out part
-};
 
 struct DiagnoseOptions {
   std::vector<std::string> effects;  ///< kinds to consider; empty: the whole library

@@ -1,4 +1,4 @@
-#include "tools/diagnose/consistency.hpp"
+#include "tools/diagnose/verdict/consistency.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "spoilt_rigs.hpp"
-#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

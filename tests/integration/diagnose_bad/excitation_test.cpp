@@ -1,4 +1,4 @@
-#include "tools/diagnose/excitation.hpp"
+#include "tools/diagnose/verdict/excitation.hpp"
 
 #include <algorithm>
 

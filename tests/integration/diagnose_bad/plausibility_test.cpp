@@ -1,4 +1,4 @@
-#include "tools/diagnose/plausibility.hpp"
+#include "tools/diagnose/checks/plausibility.hpp"
 
 #include <cmath>
 #include <limits>

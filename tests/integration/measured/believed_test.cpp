@@ -12,7 +12,7 @@
 
 #include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tools/diagnose/plausibility.hpp"
+#include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 using namespace patella;

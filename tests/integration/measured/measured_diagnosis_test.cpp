@@ -10,8 +10,8 @@
 
 #include "tests/support/paths.hpp"
 #include "tools/bench/measured/emps_error.hpp"
+#include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/diagnose/diagnose.hpp"
-#include "tools/diagnose/drive_timing.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 using namespace patella;

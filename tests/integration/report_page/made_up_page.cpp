@@ -4,7 +4,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/unit/diagnose_io/made_up_diagnosis.hpp"
-#include "tools/diagnose/diagnosis_report.hpp"
+#include "tools/diagnose/output/diagnosis_report.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 2) {

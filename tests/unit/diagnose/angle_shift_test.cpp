@@ -1,5 +1,5 @@
 // The polynomial in an encoder's offset against the regressor itself.
-#include "tools/diagnose/angle_shift.hpp"
+#include "tools/diagnose/fit/angle_shift.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
 // Correlations of what a fit estimated, under the names of the model's files.
-#include "tools/diagnose/correlations.hpp"
+#include "tools/diagnose/search/correlations.hpp"
 
 #include <cmath>
 
 #include <doctest/doctest.h>
 
-#include "tools/diagnose/declared.hpp"
+#include "tools/diagnose/effects/declared.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -1,4 +1,4 @@
-#include "tools/diagnose/joint_rest.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 
 #include <algorithm>
 #include <array>

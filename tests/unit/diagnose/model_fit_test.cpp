@@ -1,5 +1,5 @@
 // What a fit may make of a mechanism.
-#include "tools/diagnose/model_fit.hpp"
+#include "tools/diagnose/fit/model_fit.hpp"
 
 #include <array>
 #include <cmath>

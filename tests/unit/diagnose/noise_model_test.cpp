@@ -1,12 +1,12 @@
 // The noise that chance is drawn from.
-#include "tools/diagnose/noise_model.hpp"
+#include "tools/diagnose/regression/noise_model.hpp"
 
 #include <random>
 
 #include <doctest/doctest.h>
 
 #include "tests/unit/diagnose/recordings.hpp"
-#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 using namespace patella::diagnose;
 

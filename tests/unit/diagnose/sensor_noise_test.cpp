@@ -1,4 +1,4 @@
-#include "tools/diagnose/sensor_noise.hpp"
+#include "tools/diagnose/regression/sensor_noise.hpp"
 
 #include <algorithm>
 #include <cmath>

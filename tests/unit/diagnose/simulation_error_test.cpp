@@ -1,5 +1,5 @@
 // A model's own motion against the recorded one.
-#include "tools/diagnose/simulation_error.hpp"
+#include "tools/diagnose/fit/simulation_error.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Torque of simulated rigs, whose drives hold it between samples.
-#include "tools/diagnose/torque_timing.hpp"
+#include "tools/diagnose/fit/torque_timing.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // A line in the spectrum, with and without a steady phase.
-#include "tools/diagnose/tremor_line.hpp"
+#include "tools/diagnose/verdict/tremor_line.hpp"
 
 #include <cmath>
 #include <numbers>

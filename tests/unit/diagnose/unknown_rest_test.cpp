@@ -1,5 +1,5 @@
 // How much may depend on something behind named effects.
-#include "tools/diagnose/unknown_rest.hpp"
+#include "tools/diagnose/verdict/unknown_rest.hpp"
 
 #include <span>
 #include <vector>

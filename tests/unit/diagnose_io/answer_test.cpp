@@ -1,5 +1,5 @@
 // What the console shows.
-#include "tools/diagnose/answer.hpp"
+#include "tools/diagnose/output/answer.hpp"
 
 #include <algorithm>
 #include <sstream>

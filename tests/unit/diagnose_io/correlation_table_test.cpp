@@ -1,5 +1,5 @@
 // Correlations in words and colours.
-#include "tools/diagnose/correlation_table.hpp"
+#include "tools/diagnose/output/correlation_table.hpp"
 
 #include <limits>
 

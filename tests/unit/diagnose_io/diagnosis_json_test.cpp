@@ -1,5 +1,5 @@
 // The file that programs read.
-#include "tools/diagnose/diagnosis_json.hpp"
+#include "tools/diagnose/output/diagnosis_json.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // The page, drawn by gnuplot.
-#include "tools/diagnose/diagnosis_report.hpp"
+#include "tools/diagnose/output/diagnosis_report.hpp"
 
 #include <doctest/doctest.h>
 

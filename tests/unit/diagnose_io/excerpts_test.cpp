@@ -1,4 +1,4 @@
-#include "tools/diagnose/excerpts.hpp"
+#include "tools/diagnose/regression/excerpts.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // A diagnosis with something in every place, as the decision procedure could have made it.
 #pragma once
 
-#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
 
 namespace patella::test {
 

@@ -1,5 +1,5 @@
 // Names and numbers as people read them.
-#include "tools/diagnose/parameter_text.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 
 #include <limits>
 

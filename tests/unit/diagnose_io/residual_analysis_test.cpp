@@ -1,5 +1,5 @@
 // Numbers behind the pictures, against what is known of signals made for it.
-#include "tools/diagnose/residual_analysis.hpp"
+#include "tools/diagnose/output/residual_analysis.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Which pictures a diagnosis gets, and that they show what they say.
-#include "tools/diagnose/residual_figures.hpp"
+#include "tools/diagnose/output/residual_figures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "made_up_diagnosis.hpp"
-#include "tools/diagnose/residual_variables.hpp"
+#include "tools/diagnose/output/residual_variables.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -1,5 +1,5 @@
 // What a reader is told to look at twice.
-#include "tools/diagnose/runaways.hpp"
+#include "tools/diagnose/verdict/runaways.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Rankings and intervals.
-#include "tools/diagnose/selection_figures.hpp"
+#include "tools/diagnose/output/selection_figures.hpp"
 
 #include <algorithm>
 

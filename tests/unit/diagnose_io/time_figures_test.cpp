@@ -1,5 +1,5 @@
 // Torque, residual and motion over time.
-#include "tools/diagnose/time_figures.hpp"
+#include "tools/diagnose/output/time_figures.hpp"
 
 #include <algorithm>
 #include <cmath>

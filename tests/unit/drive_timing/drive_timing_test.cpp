@@ -1,4 +1,4 @@
-#include "tools/diagnose/drive_timing.hpp"
+#include "tools/diagnose/checks/drive_timing.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -14,9 +14,9 @@
 #include "core/model/effect.hpp"
 #include "tools/bench/diagnose/measured_rigs.hpp"
 #include "tools/bench/diagnose/random.hpp"
-#include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/evidence/decision.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "tools/diagnose/dataset.hpp"
 #include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::bench {
 namespace {

@@ -26,7 +26,7 @@
 #include <vector>
 
 #include "tools/bench/diagnose/cases.hpp"
-#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
 
 namespace patella::bench {
 

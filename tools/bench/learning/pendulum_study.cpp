@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/bench/learning/tables.hpp"
-#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 #include "tools/train/score.hpp"
 #include "tools/train/split.hpp"
 

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/bench/measured/emps_error.hpp"
-#include "tools/diagnose/drive_timing.hpp"
+#include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/considered.hpp"
+#include "tools/diagnose/effects/considered.hpp"
 #include "tools/diagnose/evidence/asked_motion.hpp"
 #include "tools/diagnose/evidence/inference.hpp"
 #include "tools/diagnose/evidence/thresholds.hpp"
-#include "tools/diagnose/joint_rest.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

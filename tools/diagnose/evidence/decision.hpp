@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose::evidence {

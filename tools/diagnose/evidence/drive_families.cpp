@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/diagnose/effects/recipe_parts.hpp"
 #include "tools/diagnose/evidence/drive_kinds.hpp"
 #include "tools/diagnose/evidence/families.hpp"
 #include "tools/diagnose/evidence/series_columns.hpp"
-#include "tools/diagnose/recipe_parts.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose::evidence {
 

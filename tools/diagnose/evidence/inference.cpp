@@ -5,9 +5,9 @@
 
 #include <Eigen/Dense>
 
-#include "tools/diagnose/declared.hpp"
+#include "tools/diagnose/effects/declared.hpp"
 #include "tools/diagnose/evidence/thresholds.hpp"
-#include "tools/diagnose/physical_parameters.hpp"
+#include "tools/diagnose/fit/physical_parameters.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tools/diagnose/cosine_transform.hpp"
+#include "tools/diagnose/regression/cosine_transform.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose::evidence {
 

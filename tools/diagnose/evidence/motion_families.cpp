@@ -1,10 +1,10 @@
 #include <cmath>
 
-#include "tools/diagnose/considered.hpp"
+#include "tools/diagnose/effects/considered.hpp"
+#include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/evidence/drive_kinds.hpp"
 #include "tools/diagnose/evidence/families.hpp"
 #include "tools/diagnose/evidence/series_columns.hpp"
-#include "tools/diagnose/recipe.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

@@ -4,9 +4,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "tools/diagnose/effects/recipe_parts.hpp"
 #include "tools/diagnose/evidence/families.hpp"
 #include "tools/diagnose/evidence/series_columns.hpp"
-#include "tools/diagnose/recipe_parts.hpp"
 
 namespace patella::diagnose::evidence {
 namespace {

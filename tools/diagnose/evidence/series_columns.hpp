@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "tools/diagnose/dataset.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose::evidence {
 

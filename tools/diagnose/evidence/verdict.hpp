@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/joint_rest.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
 
 namespace patella::diagnose::evidence {
 

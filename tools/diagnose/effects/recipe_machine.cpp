@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/effects/recipe_parts.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+Recipe payload(const Motion& motion) {
+  Recipe recipe = start("payload", motion, {true});
+  recipe.nonlinear = {{.lower = 0.05, .upper = 0.8}};
+  recipe.grid = product({{0.1, 0.2, 0.3, 0.4}});
+  recipe.parameters = [](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("payload").set("mass_kg", c[0]).set("distance_m", nu[0]);
+  };
+  return recipe;
+}
+
+// Cycles per radian: from one and a half over the range to what the joint's speed keeps within the band.
+double coarsestRipple(const Motion& motion) {
+  return std::max(0.5, 1.5 / motion.position_range);
+}
+
+double finestRipple(const Motion& motion) {
+  return std::min(60.0, motion.band_Hz / (1.2 * motion.velocity_rms));
+}
+
+bool rippleFits(const Motion& motion) {
+  return coarsestRipple(motion) <= finestRipple(motion);
+}
+
+Recipe torqueRipple(const Motion& motion) {
+  const double step = 0.4 / motion.position_range;
+  return oscillation("torque_ripple", motion, "cycles_per_rad",
+                     range(coarsestRipple(motion), finestRipple(motion), step));
+}
+
+/// No drive is later.
+constexpr double kLatest_s = 0.05;
+
+Recipe timing(const char* kind, const Motion& motion, const char* name, double upper_s) {
+  Recipe recipe = start(kind, motion, {});
+  recipe.nonlinear = {{.lower = 1e-4, .upper = upper_s}};
+  recipe.grid = product({{0.002, 0.006, 0.015, 0.03}});
+  recipe.proportional = true;
+  recipe.by_asked_torque = true;
+  recipe.parameters = [=](Numbers, Numbers nu) -> std::vector<double> {
+    return Parameters(kind).set(name, nu[0]);
+  };
+  return recipe;
+}
+
+Recipe encoderOffset(const Motion& motion) {
+  Recipe recipe = start("encoder_offset", motion, {});
+  recipe.nonlinear = {{.lower = -0.25, .upper = 0.25}};
+  recipe.grid = product({{-0.02, 0.02}});
+  recipe.proportional = true;
+  recipe.shifts_angle = true;
+  recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    return Parameters("encoder_offset").set("offset_rad", nu[0]);
+  };
+  return recipe;
+}
+
+// Softer than any drive: what asks for it is a torque at one frequency, which a spring that is tuned to it
+// can give, too.
+std::string tooSoft(Numbers parameters) {
+  const auto& catalogued = model::findEffect("transmission_elasticity")->parameters;
+  for (std::size_t p = 0; p < catalogued.size(); ++p) {
+    if (catalogued[p].name == "stiffness_Nm_rad" && parameters[p] <= catalogued[p].minimum) {
+      return std::string(catalogued[p].name);
+    }
+  }
+  return {};
+}
+
+// ν = (resonance of the drive against its spring in rad/s, logarithms of the drive's inertia and of the
+// damping ratio over what is common): from within the band to where the spring could as well be rigid. On an
+// axis that moves freely only the resonance shows: which part of the mass is the drive's does not.
+Recipe transmissionElasticity(const Motion& motion) {
+  /// Of what moves, the drive's part: within the spread a tenth to nearly all, as inertias are matched.
+  constexpr double kShareOfInertia = 0.3;
+  constexpr double kDampingRatio = 0.1;
+  const double spread = std::log(3.0);
+  Recipe recipe = start("transmission_elasticity", motion, {});
+  recipe.contains = {"rotor_inertia"};
+  const double usual = kShareOfInertia * std::max(0.001, motion.inertia);
+  recipe.nonlinear = {{.lower = 4.0, .upper = 200.0, .step = 0.5},
+                      {.lower = -4.5 * spread, .upper = 1.8 * spread, .step = 0.05, .spread = spread},
+                      {.lower = -2.0 * spread, .upper = 2.0 * spread, .step = 0.1, .spread = spread}};
+  recipe.grid = product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0}, {-1.0, 0.5}, {0.0, 1.0}});
+  recipe.parameters = [=](Numbers, Numbers nu) -> std::vector<double> {
+    const double rotor = usual * std::exp(nu[1]);
+    return Parameters("transmission_elasticity")
+        .set("stiffness_Nm_rad", nu[0] * nu[0] * rotor)
+        .set("rotor_inertia_kg_m2", rotor)
+        .set("damping_Nms_rad", 2.0 * kDampingRatio * std::exp(nu[2]) * nu[0] * rotor);
+  };
+  recipe.by_factors = true;
+  recipe.beyond = [parameters = recipe.parameters](Numbers c, Numbers nu) {
+    return tooSoft(parameters(c, nu));
+  };
+  return recipe;
+}
+
+// The contact is as stiff as it takes for the motor to ring in it at about 100 Hz, far above the band.
+// ν = logarithms of (gap times inertia of the drive, that inertia). A torque τ carries the motor across the
+// gap in sqrt(2 gap·inertia/τ) and loses no momentum on the way, so that the first alone says how late torque
+// arrives; the second adds a rotor. Valleys lie so close that between two of them the motor is never late
+// by more than a contact's bump in the band is wide.
+Recipe backlash(const Motion& motion) {
+  constexpr double kContact_rad_s = 600.0;
+  constexpr double kDampingRatio = 0.3;
+  constexpr double kFinest = 2e-5, kCoarsest = 1.5e-2;         // of gap times share of inertia, rad
+  constexpr double kSmallestRatio = 1.1, kLargestRatio = 1.6;  // from one of them to the next
+  constexpr double kFlightStep_s = 0.012;
+  /// Impacts leave bumps this wide.
+  constexpr double kStep = 0.05;
+  Recipe recipe = start("backlash", motion, {});
+  recipe.contains = {"rotor_inertia"};
+  const double inertia = std::max(0.001, motion.inertia);
+  recipe.nonlinear = {{.lower = std::log(0.5 * kFinest * inertia),
+                       .upper = std::log(2.0 * kCoarsest * inertia),
+                       .step = kStep},
+                      {.lower = std::log(0.002 * inertia), .upper = std::log(2.0 * inertia), .step = kStep}};
+  const double finest = std::log(kFinest * inertia), coarsest = std::log(kCoarsest * inertia);
+  std::vector<double> flights;
+  for (double flight = finest; flight < coarsest;) {
+    flights.push_back(flight);
+    const double flight_s = std::sqrt(2.0 * std::exp(flight) / motion.torque_rms);
+    flight += std::clamp(2.0 * std::log1p(kFlightStep_s / flight_s), std::log(kSmallestRatio),
+                         std::log(kLargestRatio));
+  }
+  recipe.grid = product({flights, {std::log(0.04 * inertia), std::log(0.15 * inertia)}});
+  recipe.valleys = product({flights, range(std::log(0.02 * inertia), std::log(0.15 * inertia), 0.25)});
+  recipe.parameters = [](Numbers, Numbers nu) -> std::vector<double> {
+    const double rotor = std::exp(nu[1]);
+    return Parameters("backlash")
+        .set("gap_rad", std::exp(nu[0]) / rotor)
+        .set("rotor_inertia_kg_m2", rotor)
+        .set("stiffness_Nm_rad", rotor * kContact_rad_s * kContact_rad_s)
+        .set("damping_Nms_rad", 2.0 * kDampingRatio * rotor * kContact_rad_s);
+  };
+  recipe.by_factors = true;
+  return recipe;
+}
+
+Recipe thermalDrift(const Motion& motion, const char* what, double smoothing) {
+  Recipe recipe = start("thermal_drift", motion, {false});
+  recipe.variant = what;
+  const double duration_s = motion.duration_s;
+  // Much slower than the recording is long, it grows in straight proportion to time, whatever the constant.
+  recipe.nonlinear = {
+      {.lower = std::max(10.0, 0.15 * duration_s), .upper = 3.0 * duration_s + 20.0, .open_above = true}};
+  recipe.grid = product({{std::max(10.0, 0.25 * duration_s), std::max(12.0, duration_s)}});
+  recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
+    return Parameters("thermal_drift")
+        .set("offset_Nm", 0.0)
+        .set("friction_Nm", 0.0)
+        .set("viscous_Nms_rad", 0.0)
+        .set(what, c[0])
+        .set("time_constant_s", nu[0])
+        .set(kSmoothing, smoothing);
+  };
+  return recipe;
+}
+
+// (1 + gain_error) u = τ for all torques τ that the drive's u has to give, so that u = (1 − c) τ.
+Recipe torqueGain(const Motion& motion) {
+  Recipe recipe = start("torque_gain", motion, {false});
+  // Anything large that goes with the torque would pass for a gain of almost −1.
+  recipe.largest = 0.5;
+  recipe.scales_all = true;
+  recipe.parameters = [](Numbers c, Numbers) -> std::vector<double> {
+    return Parameters("torque_gain").set("gain_error", c[0] / (1.0 - c[0]));
+  };
+  return recipe;
+}
+
+}  // namespace
+
+void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>& all) {
+  if (kind == "payload") {
+    all.push_back(payload(motion));
+  } else if (kind == "rotor_inertia") {
+    all.push_back(single("rotor_inertia", motion, "inertia_kg_m2", true));
+  } else if (kind == "transmission_elasticity") {
+    all.push_back(transmissionElasticity(motion));
+  } else if (kind == "backlash") {
+    all.push_back(backlash(motion));
+  } else if (kind == "torque_ripple" && rippleFits(motion)) {
+    all.push_back(torqueRipple(motion));
+  } else if (kind == "torque_gain") {
+    all.push_back(torqueGain(motion));
+  } else if (kind == "torque_bias") {
+    all.push_back(single("torque_bias", motion, "bias_Nm", false));
+  } else if (kind == "actuator_lag") {
+    all.push_back(timing("actuator_lag", motion, "time_constant_s", kLatest_s));
+  } else if (kind == "actuator_delay") {
+    all.push_back(timing("actuator_delay", motion, "delay_s", kLatest_s));
+  } else if (kind == "encoder_offset") {
+    all.push_back(encoderOffset(motion));
+  } else if (kind == "thermal_drift" && motion.duration_s > 0.0) {
+    for (const char* what : {"offset_Nm", "friction_Nm", "viscous_Nms_rad"}) {
+      all.push_back(thermalDrift(motion, what, motion.smoothing_rad_s));
+    }
+  }
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,127 @@
+// Fits a model to a dataset: nominal parameters within their tolerance, declared effects within theirs, found
+// effects within physics, all at once and weighted by the noise (generalised least squares).
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/effects/recipe.hpp"
+#include "tools/diagnose/fit/angle_shift.hpp"
+#include "tools/diagnose/fit/edges.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/regression/noise_model.hpp"
+
+namespace patella::diagnose {
+
+/// Of the residual: a coefficient whose torque is less is zero.
+inline constexpr double kNextToNothing = 1e-3;
+
+/// An effect in the fit.
+struct Term {
+  std::shared_ptr<const Recipe> recipe;
+  std::vector<double> c;
+  std::vector<double> nu;
+  bool declared = false;        ///< part of the model that was given: held near its values
+  std::vector<double> prior_c;  ///< those values
+  std::vector<Term> replaced;   ///< declared terms in whose place it stands
+};
+
+/// A set of effects with their estimates, and how well it explains the data.
+struct ModelFit {
+  std::vector<double> mechanism;  ///< logarithms of the ratios to the nominal physical parameters
+  std::vector<Term> terms;
+  double objective = 0.0;  ///< under `weighting`; comparable between fits of the same weighting
+  std::shared_ptr<const Weighting> weighting;  ///< scaled to this fit's own residual
+  Eigen::VectorXd residual;                    ///< torque that is left, as a Column
+  Eigen::MatrixXd tangent;  ///< derivatives of the explained torque by every free parameter, as Columns
+  /// Of each parameter: 1 / standard deviation, times `prior_scale`; 0 where nothing is known.
+  Eigen::VectorXd prior_weight;
+  double prior_scale = 1.0;
+  Eigen::VectorXd prior_residual;  ///< weighted distance from what is known to each parameter
+  /// Where the terms' parameters start in that order: mechanism first, then c and ν of each term.
+  std::vector<Eigen::Index> offset;
+  std::vector<Edge> at_edge;
+};
+
+struct FitOptions {
+  double nominal_tolerance = 0.10;
+  double declared_tolerance = 0.10;
+  int rounds = 2;  ///< estimates of the noise's scale and of the parameters in turn
+};
+
+class ModelFitter {
+ public:
+  /// The dataset must outlive it.
+  ModelFitter(const Dataset& data, const app::ModelDescription& nominal, const FitOptions& options);
+
+  const Dataset& data() const noexcept { return *data_; }
+  /// The model as given, refitted within its tolerances.
+  ModelFit nominal();
+  /// Rows that follow each other closely say less than their number. Squared errors count `redundancy` times
+  /// too much, so what is known beforehand has to count as often to keep its weight.
+  void setRedundancy(double redundancy) noexcept { prior_scale_ = std::sqrt(redundancy); }
+
+  /// Fits the terms anew from their present values.
+  ModelFit fit(ModelFit start, const Weighting& weighting);
+
+  /// The same fit with effects that were fitted to the torque that the motion asked for
+  /// (Recipe::by_asked_torque) acting on the whole torque, as they do in the machine: what is left then is
+  /// what nothing explains.
+  ModelFit onWholeTorque(ModelFit fit);
+
+  /// Basis of a recipe as Columns.
+  Eigen::MatrixXd basis(const Recipe& recipe, std::span<const double> nu);
+  /// What the files call this fit.
+  app::ModelDescription describe(const ModelFit& fit) const;
+  static std::vector<double> effectParameters(const Term& term);
+  /// What a term takes from the drives, as a Column.
+  Eigen::VectorXd torque(const Term& term);
+
+  /// Names and nominal values of the mechanism's parameters, in the order of ModelFit::mechanism.
+  const std::vector<std::string>& mechanismNames() const noexcept { return names_; }
+  const std::vector<double>& mechanismValues() const noexcept { return values_; }
+
+ private:
+  class Cost;
+  app::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
+  /// What Recipe::shifts_angle adds to the mechanism's regressor.
+  Eigen::MatrixXd shift(int joint, double angle_rad);
+  /// Regressor of the mechanism where it stands.
+  Eigen::MatrixXd regressorOf(const ModelFit& fit);
+  /// What the drives would have to give if they gave what they are told, as a Column.
+  Eigen::VectorXd toGive(const ModelFit& fit);
+  /// Columns of such torques as the drives are told (Recipe::scales_all).
+  Eigen::MatrixXd scaled(const ModelFit& fit, Eigen::MatrixXd columns) const;
+  Eigen::VectorXd unexplained(const ModelFit& fit);
+  Eigen::MatrixXd cached(const std::string& key, const std::function<Eigen::MatrixXd()>& work_out);
+  void solve(ModelFit& fit, const Weighting& weighting);
+  void linearise(ModelFit& fit);
+  void addDeclared(const app::ModelDescription& nominal);
+
+  const Dataset* data_;
+  app::ModelDescription nominal_;
+  FitOptions options_;
+  std::vector<std::string> names_;
+  std::vector<double> values_;
+  std::vector<double> largest_logarithm_;        ///< by which a value may grow
+  std::unique_ptr<model::Mechanism> mechanism_;  ///< nominal; effects that need one use it
+  Eigen::MatrixXd regressor_;
+  Eigen::VectorXd torque_;
+  Eigen::VectorXd nominal_torque_;
+  Eigen::VectorXd fixed_torque_;  ///< of declared effects that have no free coefficient
+  std::vector<Term> declared_;
+  double prior_scale_ = 1.0;
+  std::vector<app::EffectDescription> fixed_;  ///< declared effects that are kept as they are
+  std::map<std::string, Eigen::MatrixXd> cache_;
+  Eigen::Index cached_numbers_ = 0;
+  std::map<int, AngleShift> shifts_;  ///< by joint, once one is asked for
+};
+
+}  // namespace patella::diagnose

@@ -1,0 +1,113 @@
+#include "tools/diagnose/fit/torque_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Standard deviations that the half period has to be away from none.
+constexpr double kSure = 2.0;
+/// Half periods: below, the torque was held; above, something else makes the motion come early.
+constexpr double kLeast = 0.5;
+constexpr double kMost = 1.5;
+/// Standard deviation up to which a joint can tell.
+constexpr double kTells = 0.45;
+
+std::vector<Recording> sampled(std::span<const Recording> recordings) {
+  std::vector<Recording> changed(recordings.begin(), recordings.end());
+  for (Recording& recording : changed) {
+    recording.torque_timing = TorqueTiming::kSampled;
+  }
+  return changed;
+}
+
+struct Estimates {
+  Eigen::VectorXd value;
+  Eigen::VectorXd deviation;
+};
+
+// Coefficients of the last columns, beside all others.
+Estimates lastCoefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target,
+                           Eigen::Index count) {
+  const Eigen::VectorXd length = columns.colwise().norm().cwiseMax(1e-300);
+  const Eigen::MatrixXd scaled = columns * length.cwiseInverse().asDiagonal();
+  const Eigen::Index before = columns.cols() - count;
+  const auto others = scaled.leftCols(before).completeOrthogonalDecomposition();
+  const auto without = [&](const Eigen::MatrixXd& some) -> Eigen::MatrixXd {
+    return some - scaled.leftCols(before) * others.solve(some);
+  };
+  const Eigen::MatrixXd own = without(scaled.rightCols(count));
+  const Eigen::VectorXd rest = without(target);
+  Eigen::MatrixXd gram = own.transpose() * own;
+  constexpr double kNextToNothing = 1e-12;
+  gram.diagonal().array() += kNextToNothing;
+  const Eigen::MatrixXd inverse = gram.inverse();
+  const Eigen::VectorXd slope = inverse * (own.transpose() * rest);
+  const double variance = (rest - own * slope).squaredNorm() / static_cast<double>(target.size());
+  const Eigen::VectorXd unit = length.tail(count);
+  return {.value = slope.cwiseQuotient(unit),
+          .deviation = (variance * inverse.diagonal()).cwiseSqrt().cwiseQuotient(unit)};
+}
+
+// Half periods by which each joint's torque comes early, beside all that could be missing in its simplest
+// forms.
+Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled, const app::ModelDescription& model) {
+  ModelFitter fitter(as_held, model, {});
+  const ModelFit fit = fitter.nominal();
+  const std::vector<ElementaryColumn> plain = elementaryColumns(as_held);
+  const Eigen::Index known = fit.tangent.cols(), joints = as_held.joints(), rows = as_held.rows();
+  const auto simple = static_cast<Eigen::Index>(plain.size());
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(fit.tangent.rows(), known + simple + joints);
+  columns.leftCols(known) = fit.tangent;
+  for (Eigen::Index i = 0; i < simple; ++i) {
+    columns.col(known + i) = plain[static_cast<std::size_t>(i)].torque;
+  }
+  const Column apart = as_held.driveTorque() - as_sampled.driveTorque();
+  for (Eigen::Index joint = 0; joint < joints; ++joint) {
+    columns.col(known + simple + joint).segment(joint * rows, rows) = apart.segment(joint * rows, rows);
+  }
+  return lastCoefficients(fit.weighting->apply(columns), fit.weighting->apply(fit.residual), joints);
+}
+
+}  // namespace
+
+std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
+                                        const app::ModelDescription& model) {
+  std::vector<Recording> unchanged(recordings.begin(), recordings.end());
+  if (recordings.empty() || recordings.front().is_static ||
+      !std::all_of(recordings.begin(), recordings.end(),
+                   [](const Recording& recording) { return recording.torque_timing_assumed; })) {
+    return unchanged;
+  }
+  std::vector<Recording> other = sampled(recordings);
+  const Estimates halves = halfPeriods(Dataset(recordings, {}), Dataset(other, {}), model);
+  double weighted = 0.0, weight = 0.0;
+  for (Eigen::Index joint = 0; joint < halves.value.size(); ++joint) {
+    const double value = halves.value[joint], deviation = halves.deviation[joint];
+    // A joint of which the motion says little has no vote.
+    if (deviation < kTells) {
+      if (value < kLeast || value > kMost) {
+        return unchanged;
+      }
+      weighted += value / (deviation * deviation);
+      weight += 1.0 / (deviation * deviation);
+    }
+  }
+  if (weighted <= kSure * std::sqrt(weight)) {
+    return unchanged;
+  }
+  other.front().warnings.emplace_back(
+      "the motion follows the torque too early for one that was held between samples: taken as what acted at "
+      "the "
+      "sample; --torque decides");
+  return other;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,139 @@
+#include "tools/diagnose/output/answer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/result/parameter_text.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr std::size_t kShownEffects = 4;
+constexpr std::size_t kShownRunaways = 4;
+
+std::string effectLine(const EffectFinding& effect, const Units& units) {
+  std::string line = "  " + effectWords(effect);
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    line += (i == 0 ? ": " : ", ") + estimateText(effect.parameters[i], units);
+  }
+  line += fmt::format(" (p = {:.2g})", effect.p_value);
+  for (std::size_t i = 0; i < effect.indistinguishable_from.size(); ++i) {
+    line += (i == 0 ? "; or " : ", ") + effectWords(effect.indistinguishable_from[i]);
+  }
+  for (std::size_t i = 0; i < effect.replaces.size(); ++i) {
+    line += (i == 0 ? "; in place of the declared " : " and ") + effectWords(effect.replaces[i]);
+  }
+  return line;
+}
+
+// What would have explained as much as what was accepted, or more than chance where nothing was, but for its
+// sign: each kind once, where it would have explained most.
+std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
+  std::map<std::string, std::pair<double, std::string>> refused;
+  for (std::size_t number = 0; number < diagnosis.steps.size(); ++number) {
+    const SelectionStep& step = diagnosis.steps[number];
+    double accepted = 0.0;
+    for (const CandidateScore& score : step.ranking) {
+      accepted = score.accepted ? score.gain : accepted;
+    }
+    for (const CandidateScore& score : step.ranking) {
+      constexpr std::string_view kSign = "sign: ";
+      constexpr double kComparable = 0.5;
+      auto& known = refused[score.label];
+      if (score.refused_because.starts_with(kSign) && score.gain > known.first &&
+          score.gain > score.threshold && score.gain > kComparable * accepted) {
+        known = {score.gain,
+                 fmt::format("  refused for its sign: {} ({} would be negative; {:.0f} nats in step {})",
+                             effectWords(score.label), score.refused_because.substr(kSign.size()), score.gain,
+                             number + 1)};
+      }
+    }
+  }
+  std::vector<std::string> lines;
+  for (auto& [label, entry] : refused) {
+    if (!entry.second.empty()) {
+      lines.push_back(std::move(entry.second));
+    }
+  }
+  return lines;
+}
+
+std::string numberAt(const std::vector<double>& values, std::size_t joint) {
+  return joint < values.size() ? shortNumber(values[joint]) : "–";
+}
+
+std::string errorLine(const Diagnosis& diagnosis, std::size_t joint) {
+  const bool heldout = joint < diagnosis.before.heldout_rms_Nm.size();
+  const auto rms = [&](const ErrorMeasure& error) {
+    return numberAt(heldout ? error.heldout_rms_Nm : error.train_rms_Nm, joint);
+  };
+  return fmt::format("  error of joint {}{}, {}: {} as given, {} refitted, {} extended; noise floor {}",
+                     joint + 1, heldout ? " on held-out data" : "", unitsOf(diagnosis).torque,
+                     rms(diagnosis.before), rms(diagnosis.refitted), rms(diagnosis.after),
+                     numberAt(diagnosis.noise_floor_Nm, joint));
+}
+
+}  // namespace
+
+void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder, std::ostream& out) {
+  out << verdictWords(diagnosis.verdict) << ". " << diagnosis.explanation << "\n";
+  const std::size_t shown = std::min(diagnosis.effects.size(), kShownEffects);
+  for (std::size_t i = 0; i < shown; ++i) {
+    out << effectLine(diagnosis.effects[i], unitsOf(diagnosis)) << "\n";
+  }
+  if (diagnosis.effects.size() > shown) {
+    out << "  and " << diagnosis.effects.size() - shown << " more\n";
+  }
+  for (const std::string& line : refusedLines(diagnosis)) {
+    out << line << "\n";
+  }
+  for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
+    out << errorLine(diagnosis, joint) << "\n";
+  }
+  const std::size_t twice = std::min(diagnosis.runaways.size(), kShownRunaways);
+  for (std::size_t i = 0; i < twice; ++i) {
+    const std::size_t more = i + 1 == twice ? diagnosis.runaways.size() - twice : 0;
+    out << "  to look at twice: " << diagnosis.runaways[i].words
+        << (more > 0 ? fmt::format("; and {} more in the report", more) : "") << "\n";
+  }
+  if (!diagnosis.warnings.empty()) {
+    out << "  warning: " << diagnosis.warnings.front();
+    if (diagnosis.warnings.size() > 1) {
+      out << "; and " << diagnosis.warnings.size() - 1 << " more in the report";
+    }
+    out << "\n";
+  }
+  out << "  files in " << folder.string() << ": report.html, diagnosis.json, model.extended.toml\n";
+}
+
+void ProgressLine::at(std::string_view stage, double fraction) {
+  constexpr double kPercent = 100.0;
+  const int percent = static_cast<int>(std::lround(kPercent * std::clamp(fraction, 0.0, 1.0)));
+  const bool new_stage = stage != stage_;
+  if (!new_stage && (!terminal_ || percent == percent_)) {
+    return;
+  }
+  stage_ = stage;
+  percent_ = percent;
+  if (terminal_) {
+    out_ << fmt::format("\r\033[K{} {} %", stage_, percent_) << std::flush;
+  } else {
+    out_ << stage_ << "\n" << std::flush;
+  }
+}
+
+void ProgressLine::clear() {
+  if (terminal_ && percent_ >= 0) {
+    out_ << "\r\033[K" << std::flush;
+    percent_ = -1;
+  }
+}
+
+}  // namespace patella::diagnose

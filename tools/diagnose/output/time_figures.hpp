@@ -1,0 +1,21 @@
+// What happens over time, drawn: torque, motion and residual.
+#pragma once
+
+#include <vector>
+
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/report/figure.hpp"
+
+namespace patella::diagnose {
+
+/// Of the two models that every picture compares.
+namespace colour {
+inline constexpr const char* kBefore = "#D55E00";
+inline constexpr const char* kAfter = "#0072B2";
+}  // namespace colour
+
+/// For each joint the measured torque against that of the model as given and with what was found, and the
+/// residual of both; then measured against simulated motion. Postures at rest have no figures.
+std::vector<report::Figure> timeFigures(const Diagnosis& diagnosis);
+
+}  // namespace patella::diagnose

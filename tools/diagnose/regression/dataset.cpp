@@ -1,0 +1,354 @@
+#include "tools/diagnose/regression/dataset.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/signals/signals.hpp"
+#include "tools/signals/spectral_lines.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using offline::Samples;
+
+constexpr int kFilterOrder = 4;
+/// Samples of the band per period of its upper edge; what folds back does so on both sides of the equation.
+constexpr double kSamplesPerPeriod = 2.5;
+/// Periods of the band's edge that each end of a stretch loses to the filter.
+constexpr double kEdgePeriods = 2.0;
+
+Samples part(const std::vector<double>& signal, const Segment& segment) {
+  return {signal.begin() + static_cast<std::ptrdiff_t>(segment.first),
+          signal.begin() + static_cast<std::ptrdiff_t>(segment.end)};
+}
+
+Samples everyNth(const Samples& signal, std::size_t step) {
+  Samples kept;
+  kept.reserve(signal.size() / step + 1);
+  for (std::size_t i = 0; i < signal.size(); i += step) {
+    kept.push_back(signal[i]);
+  }
+  return kept;
+}
+
+// What acted at the instant of a sample: a held command's mean of the step before and the step after.
+Samples actingTorque(Samples torque, TorqueTiming timing) {
+  if (timing == TorqueTiming::kHeld) {
+    for (std::size_t i = torque.size() - 1; i > 0; --i) {
+      torque[i] = 0.5 * (torque[i] + torque[i - 1]);
+    }
+  }
+  return torque;
+}
+
+Series restingSeries(const Recording& recording, const Segment& segment) {
+  Series series{
+      .rate_Hz = 1.0, .states = {}, .acceleration = {}, .asked_acceleration = {}, .asked_torque_Nm = {}};
+  for (std::size_t i = segment.first; i < segment.end; ++i) {
+    model::EffectInput state;
+    state.time_s = recording.time_s[i];
+    state.q.setZero(recording.joints);
+    state.dq.setZero(recording.joints);
+    state.torque_Nm.setZero(recording.joints);
+    for (int joint = 0; joint < recording.joints; ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      state.q[joint] = recording.position_rad[j][i];
+      state.torque_Nm[joint] = recording.torque_Nm[j][i];
+    }
+    series.states.push_back(state);
+    series.acceleration.emplace_back(JointVector::Zero(recording.joints));
+    series.asked_acceleration.emplace_back(JointVector::Zero(recording.joints));
+    series.asked_torque_Nm.emplace_back(JointVector::Zero(recording.joints));
+  }
+  return series;
+}
+
+Series movingSeries(const Recording& recording, const Segment& segment, const DatasetOptions& options) {
+  const double rate = recording.rate_Hz;
+  const double smoothing_Hz = std::min(options.smoothing_Hz, 0.2 * rate);
+  const auto step = static_cast<std::size_t>(std::max(1.0, std::floor(rate / options.evaluation_rate_Hz)));
+  const auto smooth = [&](const Samples& raw) {
+    return everyNth(offline::zeroPhaseLowPass(raw, smoothing_Hz, rate, kFilterOrder), step);
+  };
+  Series series{.rate_Hz = rate / static_cast<double>(step),
+                .states = {},
+                .acceleration = {},
+                .asked_acceleration = {},
+                .asked_torque_Nm = {}};
+  std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque, asked;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
+    // Differentiated at the full rate, where central differences reach furthest.
+    const Samples position =
+        offline::zeroPhaseLowPass(part(recording.position_rad[j], segment), smoothing_Hz, rate, kFilterOrder);
+    const Samples velocity = offline::derivative(position, rate);
+    q[j] = everyNth(position, step);
+    dq[j] = everyNth(velocity, step);
+    const Samples acceleration = offline::derivative(velocity, rate);
+    ddq[j] = everyNth(acceleration, step);
+    slow[j] = everyNth(offline::zeroPhaseLowPass(acceleration, std::min(0.5 * options.band_Hz, 0.1 * rate),
+                                                 rate, kFilterOrder),
+                       step);
+    if (options.asked_part) {
+      slow[j] = offline::lineSpectrumPart(slow[j], series.rate_Hz, {.highest_Hz = 0.5 * options.band_Hz});
+    }
+    torque[j] = smooth(actingTorque(part(recording.torque_Nm[j], segment), recording.torque_timing));
+    asked[j] = options.asked_part
+                   ? offline::lineSpectrumPart(torque[j], series.rate_Hz, {.highest_Hz = options.band_Hz})
+                   : Samples(torque[j].size(), 0.0);
+  }
+  std::array<Samples, kMaxEmgChannels> activation;
+  for (std::size_t channel = 0; channel < activation.size(); ++channel) {
+    if (!recording.activation[channel].empty()) {
+      activation[channel] = everyNth(part(recording.activation[channel], segment), step);
+    }
+  }
+  for (std::size_t i = 0; i < q[0].size(); ++i) {
+    model::EffectInput state;
+    JointVector acceleration(recording.joints);
+    JointVector asked_acceleration(recording.joints);
+    JointVector asked_torque_Nm(recording.joints);
+    state.q.resize(recording.joints);
+    state.dq.resize(recording.joints);
+    state.torque_Nm.resize(recording.joints);
+    for (int joint = 0; joint < recording.joints; ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      state.q[joint] = q[j][i];
+      state.dq[joint] = dq[j][i];
+      state.torque_Nm[joint] = torque[j][i];
+      acceleration[joint] = ddq[j][i];
+      asked_acceleration[joint] = slow[j][i];
+      asked_torque_Nm[joint] = asked[j][i];
+    }
+    for (std::size_t channel = 0; channel < activation.size(); ++channel) {
+      state.activation[channel] = activation[channel].empty() ? 0.0 : activation[channel][i];
+    }
+    state.time_s = recording.time_s[segment.first + i * step];
+    series.states.push_back(state);
+    series.acceleration.push_back(acceleration);
+    series.asked_acceleration.push_back(asked_acceleration);
+    series.asked_torque_Nm.push_back(asked_torque_Nm);
+  }
+  return series;
+}
+
+// Frequency below which 99 % of the power of a velocity lies, as far as a coarse list tells.
+double powerEdge_Hz(const Samples& velocity, double rate_Hz) {
+  constexpr double kRest = 0.1;  // of the amplitude: 1 % of the power
+  const double whole = offline::rms(velocity);
+  constexpr std::array kEdges_Hz{1.0, 1.5, 2.0, 2.5, 3.0};
+  for (const double edge_Hz : kEdges_Hz) {
+    const Samples slow = offline::zeroPhaseLowPass(velocity, edge_Hz, rate_Hz, kFilterOrder);
+    if (offline::rms(offline::difference(velocity, slow)) < kRest * whole) {
+      return edge_Hz;
+    }
+  }
+  return kEdges_Hz.back() + 0.5;
+}
+
+}  // namespace
+
+double motionBand_Hz(std::span<const Recording> recordings) {
+  constexpr double kBandPerEdge = 2.5;
+  constexpr double kSmoothing_Hz = 20.0;
+  double edge_Hz = 0.0;
+  for (const Recording& recording : recordings) {
+    for (const Segment& segment : recording.segments) {
+      if (recording.is_static ||
+          static_cast<double>(segment.end - segment.first) < Dataset::kShortest_s * recording.rate_Hz) {
+        continue;
+      }
+      for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
+        const Samples position = offline::zeroPhaseLowPass(part(recording.position_rad[j], segment),
+                                                           std::min(kSmoothing_Hz, 0.2 * recording.rate_Hz),
+                                                           recording.rate_Hz, kFilterOrder);
+        edge_Hz = std::max(edge_Hz,
+                           powerEdge_Hz(offline::derivative(position, recording.rate_Hz), recording.rate_Hz));
+      }
+    }
+  }
+  return std::clamp(kBandPerEdge * edge_Hz, 6.0, DatasetOptions{}.band_Hz);
+}
+
+Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& options)
+    : joints_(recordings.empty() ? 0 : recordings.front().joints),
+      is_static_(!recordings.empty() && recordings.front().is_static) {
+  double lowest_rate_Hz = options.evaluation_rate_Hz;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const Recording& recording = recordings[r];
+    if (recording.joints != joints_ || recording.is_static != is_static_) {
+      throw std::invalid_argument(recording.name + ": other joints, or other kind of recording, than " +
+                                  recordings.front().name);
+    }
+    for (const Segment& segment : recording.segments) {
+      const double duration_s = static_cast<double>(segment.end - segment.first) / recording.rate_Hz;
+      if (is_static_) {
+        series_.push_back(restingSeries(recording, segment));
+      } else if (duration_s >= kShortest_s) {
+        series_.push_back(movingSeries(recording, segment, options));
+      } else {
+        continue;
+      }
+      blocks_.push_back({.first = 0, .end = 0, .recording = r});
+      lowest_rate_Hz = std::min(lowest_rate_Hz, series_.back().rate_Hz);
+    }
+  }
+  if (series_.empty()) {
+    throw std::invalid_argument("no stretch of at least 2 s without a gap in the recordings");
+  }
+  if (is_static_) {
+    rate_Hz_ = 1.0;
+  } else {
+    band_Hz_ = std::min(options.band_Hz, kBandShareOfRate * lowest_rate_Hz);
+    const double rate_Hz = series_.front().rate_Hz;
+    rate_Hz_ = rate_Hz / static_cast<double>(decimation(rate_Hz));
+  }
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    const Eigen::Index count = band(Samples(series_[s].states.size()), series_[s].rate_Hz).size();
+    blocks_[s].first = rows_;
+    rows_ += count;
+    blocks_[s].end = rows_;
+  }
+  time_s_.resize(rows_);
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    const auto edge = is_static_ ? 0 : edgeSamples(series_[s].rate_Hz);
+    for (Eigen::Index i = 0; i < blocks_[s].end - blocks_[s].first; ++i) {
+      time_s_[blocks_[s].first + i] =
+          series_[s].states[edge + static_cast<std::size_t>(i) * decimation(series_[s].rate_Hz)].time_s;
+    }
+  }
+}
+
+std::size_t Dataset::edgeSamples(double rate_Hz) const noexcept {
+  return static_cast<std::size_t>(kEdgePeriods * rate_Hz / band_Hz_);
+}
+
+std::size_t Dataset::decimation(double rate_Hz) const noexcept {
+  return is_static_
+             ? 1
+             : static_cast<std::size_t>(std::max(1.0, std::floor(rate_Hz / (kSamplesPerPeriod * band_Hz_))));
+}
+
+double Dataset::gain(double frequency_Hz) const noexcept {
+  if (is_static_) {
+    return 1.0;
+  }
+  // Two passes of the filter, whose edges the bilinear transform bends.
+  const double rate_Hz = series_.front().rate_Hz;
+  const double one_pass_Hz = offline::onePassCutoff_Hz(band_Hz_, kFilterOrder);
+  const double bent = std::tan(std::numbers::pi * frequency_Hz / rate_Hz) /
+                      std::tan(std::numbers::pi * one_pass_Hz / rate_Hz);
+  return 1.0 / (1.0 + std::pow(bent, 2 * kFilterOrder));
+}
+
+Eigen::VectorXd Dataset::band(std::span<const double> signal, double rate_Hz) const {
+  if (is_static_) {
+    return Eigen::Map<const Eigen::VectorXd>(signal.data(), static_cast<Eigen::Index>(signal.size()));
+  }
+  const std::size_t edge = edgeSamples(rate_Hz);
+  const std::size_t step = decimation(rate_Hz);
+  const std::size_t count = (signal.size() - 2 * edge + step - 1) / step;
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count));
+  if (std::all_of(signal.begin(), signal.end(), [](double value) { return value == 0.0; })) {
+    return result;
+  }
+  const Samples filtered = offline::zeroPhaseLowPass(signal, band_Hz_, rate_Hz, kFilterOrder);
+  for (std::size_t i = 0; i < count; ++i) {
+    result[static_cast<Eigen::Index>(i)] = filtered[edge + i * step];
+  }
+  return result;
+}
+
+Column Dataset::column(const std::function<void(const Series&)>& start,
+                       const std::function<JointVector(const Series&, std::size_t)>& torque) const {
+  Column result(rows_ * joints_);
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    const Series& series = series_[s];
+    std::array<Samples, kMaxJoints> raw;
+    for (int joint = 0; joint < joints_; ++joint) {
+      raw[static_cast<std::size_t>(joint)].resize(series.states.size());
+    }
+    if (start) {
+      start(series);
+    }
+    for (std::size_t i = 0; i < series.states.size(); ++i) {
+      const JointVector value = torque(series, i);
+      for (int joint = 0; joint < joints_; ++joint) {
+        raw[static_cast<std::size_t>(joint)][i] = value[joint];
+      }
+    }
+    for (int joint = 0; joint < joints_; ++joint) {
+      result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) =
+          band(raw[static_cast<std::size_t>(joint)], series.rate_Hz);
+    }
+  }
+  return result;
+}
+
+Column Dataset::driveTorque() const {
+  return column({}, [](const Series& series, std::size_t i) { return series.states[i].torque_Nm; });
+}
+
+Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
+  return column([&](const Series& series) { dynamics.reset(series.states.front()); },
+                [&](const Series& series, std::size_t i) {
+                  if (i > 0) {
+                    dynamics.advance(series.states[i], 1.0 / series.rate_Hz);
+                  }
+                  return dynamics.inverseDynamics(series.states[i], series.acceleration[i]);
+                });
+}
+
+Column Dataset::effectTorque(model::Effect& effect) const {
+  return column([&](const Series& series) { effect.reset(series.states.front()); },
+                [&](const Series& series, std::size_t i) -> JointVector {
+                  if (i > 0) {
+                    effect.advance(series.states[i], 1.0 / series.rate_Hz);
+                  }
+                  return effect.inertia(series.states[i].q) * series.acceleration[i] -
+                         effect.torque(series.states[i]);
+                });
+}
+
+Column Dataset::askedEffectTorque(model::Effect& effect) const {
+  const auto asked = [](const Series& series, std::size_t i) {
+    model::EffectInput input = series.states[i];
+    input.torque_Nm = series.asked_torque_Nm[i];
+    return input;
+  };
+  return column([&](const Series& series) { effect.reset(asked(series, 0)); },
+                [&](const Series& series, std::size_t i) -> JointVector {
+                  const model::EffectInput input = asked(series, i);
+                  if (i > 0) {
+                    effect.advance(input, 1.0 / series.rate_Hz);
+                  }
+                  return -effect.torque(input);
+                });
+}
+
+Eigen::MatrixXd Dataset::regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const {
+  Eigen::MatrixXd columns(rows() * joints(), mechanism.baseParameterCount());
+  for (int k = 0; k < mechanism.baseParameterCount(); ++k) {
+    columns.col(k) = column({}, [&](const Series& series, std::size_t i) -> JointVector {
+      return mechanism.regressor(series.states[i].q + offset_rad, series.states[i].dq, series.acceleration[i])
+          .col(k);
+    });
+  }
+  return columns;
+}
+
+Eigen::VectorXd Dataset::variable(const std::function<double(const Series&, std::size_t)>& value) const {
+  Eigen::VectorXd result(rows_);
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    Samples raw(series_[s].states.size());
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      raw[i] = value(series_[s], i);
+    }
+    result.segment(blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series_[s].rate_Hz);
+  }
+  return result;
+}
+
+}  // namespace patella::diagnose

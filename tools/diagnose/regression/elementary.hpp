@@ -1,0 +1,24 @@
+// The plainest effects of each joint as columns: what a residual looks like when it is proportional to
+// something.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "tools/diagnose/regression/dataset.hpp"
+
+namespace patella::diagnose {
+
+struct ElementaryColumn {
+  std::string_view kind;  ///< "viscous_friction", "coulomb_friction", "linear_stiffness" or "torque_bias"
+  int joint = 0;
+  Column torque;  ///< that the drive needs for one unit of it; of a torque_bias that of the opposite sign
+};
+
+/// Four for each joint, joint by joint in that order. A recording at rest has zeros for the frictions.
+std::vector<ElementaryColumn> elementaryColumns(const Dataset& data);
+
+/// One joint's part of a column, root mean square.
+double jointRms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column, int joint);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,70 @@
+#include "tools/diagnose/regression/joint_rest.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/regression/sensor_noise.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Below this share of its load a joint is not driven: the torque column is a sensor's zero.
+constexpr double kDriven = 0.05;
+/// Times the declared variance that a person's pushes may have in one recording.
+constexpr double kPush = 2.0;
+
+double rms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column, int joint) {
+  return column.segment(joint * data.rows(), data.rows()).norm() /
+         std::sqrt(static_cast<double>(data.rows()));
+}
+
+}  // namespace
+
+double JointRest::structure_Nm() const noexcept {
+  return std::sqrt(std::max(left_Nm * left_Nm - noise_Nm * noise_Nm, 0.0));
+}
+
+bool JointRest::exceeds(double share) const noexcept {
+  return structure_Nm() > share * torque_Nm;
+}
+
+std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism) {
+  const model::BaseParameters base = mechanism.baseParameters();
+  const Eigen::MatrixXd regressor = data.regressor(mechanism, JointVector::Zero(data.joints()));
+  const Column torque = data.driveTorque();
+  std::vector<double> loads;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    double load = rms(data, torque, joint);
+    for (Eigen::Index k = 0; k < base.size(); ++k) {
+      load = std::max(load, rms(data, regressor.col(k), joint) * std::abs(base[k]));
+    }
+    loads.push_back(load);
+  }
+  return loads;
+}
+
+std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
+                                  std::span<const double> noise_Nm) {
+  const Column torque = data.driveTorque();
+  const std::vector<double> loads = loads_Nm(data, mechanism);
+  std::vector<JointRest> rests;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const double drive_Nm = rms(data, torque, joint);
+    rests.push_back({.torque_Nm = drive_Nm > kDriven * loads[j] ? drive_Nm : loads[j],
+                     .left_Nm = rms(data, left, joint),
+                     .noise_Nm = noise_Nm[j]});
+  }
+  return rests;
+}
+
+std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
+                                  double band_Hz, std::span<const double> person_Nm) {
+  std::vector<double> noise_Nm = sensorNoise_Nm(recordings, mechanism, band_Hz);
+  for (std::size_t j = 0; j < std::min(noise_Nm.size(), person_Nm.size()); ++j) {
+    noise_Nm[j] = std::hypot(noise_Nm[j], std::sqrt(kPush) * person_Nm[j]);
+  }
+  return noise_Nm;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,39 @@
+// What a model leaves of a joint's torque, against the torque and against what sensors make.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/model/mechanism.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
+
+namespace patella::diagnose {
+
+/// Share of a joint's torque (rms) that a model may leave beyond noise and still be said to lack nothing but
+/// what was found: machines leave a tenth to a fifth with the best model of them.
+inline constexpr double kMaterialRest = 0.2;
+
+/// rms values below the band's edge, N·m (N on a rail).
+struct JointRest {
+  double torque_Nm = 0.0;  ///< of the drive; of the load that the model has, where the joint is not driven
+  double left_Nm = 0.0;    ///< what the model leaves with everything that was found
+  double noise_Nm = 0.0;   ///< what sensors and declared pushes make
+  double structure_Nm() const noexcept;  ///< what is left beyond noise
+  /// More than this share of the torque is left beyond noise.
+  bool exceeds(double share) const noexcept;
+};
+
+/// rms of the largest of each joint's drive torque and its rigid-body terms, N·m; a term may be large where
+/// the torque is small, as gravity is beside an inertia that swings.
+std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism);
+
+/// `left`: residual of the drives' torque; `noise_Nm`: of each joint.
+std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
+                                  std::span<const double> noise_Nm);
+
+/// What sensors, and pushes of these rms values, which somebody declared, make of each joint's torque, N·m.
+/// `person_Nm`: one for each joint, or empty.
+std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
+                                  double band_Hz, std::span<const double> person_Nm);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,234 @@
+#include "tools/diagnose/regression/noise_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Dense>
+
+namespace patella::diagnose {
+namespace {
+
+// Keeps the equations solvable where a joint does not move and its residual is nothing but zero.
+constexpr double kSmallestVariance = 1e-18;
+/// Orders of the two autoregressions. The weighting's white share bounds how much more a calm frequency may
+/// count than a loud one: with the full process, slow errors of the model would count for nothing.
+constexpr int kWeightingOrder = 4;
+constexpr double kWeightingWhiteShare = 0.5;
+constexpr int kHighestProcessOrder = 10;
+constexpr int kBurnIn = 200;
+
+/// Calls visit(coefficients, first row among the innovations, its row in a Column, rows) for each joint and
+/// block.
+template <typename Visit>
+void eachRun(const Autoregression& process, const Dataset& data, Visit visit) {
+  Eigen::Index at = 0;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    for (const Block& block : data.blocks()) {
+      const Eigen::Index count = block.end - block.first - process.order;
+      if (count > 0) {
+        visit(process.coefficients[static_cast<std::size_t>(joint)], at,
+              joint * data.rows() + block.first + process.order, count);
+        at += count;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Autoregression Autoregression::fit(const Dataset& data, const Eigen::VectorXd& residual, int order,
+                                   double white_share) {
+  Autoregression result{.order = data.isStatic() ? 0 : order, .coefficients = {}};
+  const int lags = result.order;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const auto e = residual.segment(joint * data.rows(), data.rows());
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(lags, lags);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(lags);
+    for (const Block& block : data.blocks()) {
+      const Eigen::Index count = block.end - block.first - lags;
+      for (int a = 0; a < lags && count > 0; ++a) {
+        const auto lagged = e.segment(block.first + lags - 1 - a, count);
+        right[a] += lagged.dot(e.segment(block.first + lags, count));
+        for (int b = 0; b <= a; ++b) {
+          normal(a, b) += lagged.dot(e.segment(block.first + lags - 1 - b, count));
+        }
+      }
+    }
+    normal = Eigen::MatrixXd(normal.selfadjointView<Eigen::Lower>());
+    const double small = kSmallestVariance * static_cast<double>(data.rows());
+    normal.diagonal() *= 1.0 + white_share + 1e-9;
+    normal.diagonal().array() += small;
+    result.coefficients[static_cast<std::size_t>(joint)] = normal.ldlt().solve(right);
+  }
+  return result;
+}
+
+Eigen::Index Autoregression::rows(const Dataset& data) const {
+  Eigen::Index count = 0;
+  for (const Block& block : data.blocks()) {
+    count += std::max<Eigen::Index>(0, block.end - block.first - order);
+  }
+  return count;
+}
+
+Eigen::VectorXd Autoregression::innovations(const Dataset& data,
+                                            const Eigen::Ref<const Eigen::VectorXd>& column) const {
+  Eigen::VectorXd result(rows(data) * data.joints());
+  eachRun(*this, data,
+          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+            auto out = result.segment(at, count);
+            out = column.segment(first, count);
+            for (int k = 0; k < order; ++k) {
+              out -= a[k] * column.segment(first - 1 - k, count);
+            }
+          });
+  return result;
+}
+
+Eigen::VectorXd Autoregression::transposed(const Dataset& data, const Eigen::VectorXd& innovations) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(data.rows() * data.joints());
+  eachRun(*this, data,
+          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+            const auto in = innovations.segment(at, count);
+            result.segment(first, count) += in;
+            for (int k = 0; k < order; ++k) {
+              result.segment(first - 1 - k, count) -= a[k] * in;
+            }
+          });
+  return result;
+}
+
+Weighting::Weighting(const Dataset& data, const Eigen::VectorXd& residual)
+    : data_(&data),
+      filter_(Autoregression::fit(data, residual, kWeightingOrder, kWeightingWhiteShare)),
+      rows_(filter_.rows(data)) {
+  scaleTo(residual);
+}
+
+Weighting Weighting::rescaled(const Eigen::VectorXd& residual) const {
+  Weighting result = *this;
+  result.scaleTo(residual);
+  return result;
+}
+
+Eigen::MatrixXd Weighting::covariance(const Eigen::VectorXd& residual) const {
+  const Eigen::VectorXd weighted = filter_.innovations(*data_, residual);
+  const Eigen::Map<const Eigen::MatrixXd> joints(weighted.data(), rows_, data_->joints());
+  Eigen::MatrixXd result = joints.transpose() * joints / static_cast<double>(rows_);
+  result.diagonal().array() += kSmallestVariance;
+  return result;
+}
+
+void Weighting::scaleTo(const Eigen::VectorXd& residual) {
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance(residual));
+  inverse_root_ = root.matrixL().solve(Eigen::MatrixXd::Identity(data_->joints(), data_->joints()));
+}
+
+Eigen::MatrixXd Weighting::apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  const int joints = data_->joints();
+  Eigen::MatrixXd result(rows_ * joints, columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    const Eigen::VectorXd weighted = filter_.innovations(*data_, columns.col(c));
+    for (int row = 0; row < joints; ++row) {
+      auto out = result.col(c).segment(row * rows_, rows_);
+      out.setZero();
+      for (int joint = 0; joint <= row; ++joint) {
+        out += inverse_root_(row, joint) * weighted.segment(joint * rows_, rows_);
+      }
+    }
+  }
+  return result;
+}
+
+Eigen::MatrixXd Weighting::transposed(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const {
+  const int joints = data_->joints();
+  Eigen::MatrixXd result(data_->rows() * joints, weighted.cols());
+  for (Eigen::Index c = 0; c < weighted.cols(); ++c) {
+    Eigen::VectorXd unscaled = Eigen::VectorXd::Zero(rows_ * joints);
+    for (int row = 0; row < joints; ++row) {
+      for (int joint = 0; joint <= row; ++joint) {
+        unscaled.segment(joint * rows_, rows_) +=
+            inverse_root_(row, joint) * weighted.col(c).segment(row * rows_, rows_);
+      }
+    }
+    result.col(c) = filter_.transposed(*data_, unscaled);
+  }
+  return result;
+}
+
+double Weighting::objective(const Eigen::VectorXd& residual) const {
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance(residual));
+  const Eigen::MatrixXd factor = root.matrixL();
+  return 2.0 * static_cast<double>(rows_) * factor.diagonal().array().log().sum();
+}
+
+NoiseProcess::NoiseProcess(const Dataset& data, const Eigen::VectorXd& residual) : data_(&data) {
+  double least = std::numeric_limits<double>::infinity();
+  const int highest = data.isStatic() ? 0 : kHighestProcessOrder;
+  for (int order = 0; order <= highest; ++order) {
+    const Autoregression candidate = Autoregression::fit(data, residual, order, 0.0);
+    const Eigen::VectorXd all = candidate.innovations(data, residual);
+    const Eigen::Index rows = candidate.rows(data);
+    const Eigen::Map<const Eigen::MatrixXd> joints(all.data(), rows, data.joints());
+    Eigen::MatrixXd covariance = joints.transpose() * joints / static_cast<double>(rows);
+    covariance.diagonal().array() += kSmallestVariance;
+    // Bayesian information criterion, per row, since a higher order has fewer of them.
+    const auto n = static_cast<double>(rows);
+    const double criterion = std::log(covariance.determinant()) + order * data.joints() * std::log(n) / n;
+    if (criterion < least) {
+      least = criterion;
+      process_ = candidate;
+      innovations_ = joints;
+    }
+  }
+}
+
+Eigen::VectorXd NoiseProcess::draw(std::mt19937_64& random) const {
+  std::uniform_int_distribution<Eigen::Index> row(0, innovations_.rows() - 1);
+  std::bernoulli_distribution coin;
+  Eigen::VectorXd result(data_->rows() * data_->joints());
+  const int order = process_.order;
+  for (const Block& block : data_->blocks()) {
+    const Eigen::Index count = block.end - block.first;
+    Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(count + kBurnIn + order, data_->joints());
+    for (Eigen::Index t = order; t < noise.rows(); ++t) {
+      noise.row(t) = (coin(random) ? 1.0 : -1.0) * innovations_.row(row(random));
+      for (int joint = 0; joint < data_->joints(); ++joint) {
+        const Eigen::VectorXd& a = process_.coefficients[static_cast<std::size_t>(joint)];
+        for (int k = 0; k < order; ++k) {
+          noise(t, joint) += a[k] * noise(t - 1 - k, joint);
+        }
+      }
+    }
+    for (int joint = 0; joint < data_->joints(); ++joint) {
+      result.segment(joint * data_->rows() + block.first, count) = noise.col(joint).tail(count);
+    }
+  }
+  return result;
+}
+
+double NoiseProcess::variance(const Eigen::Ref<const Eigen::VectorXd>& column) const {
+  const int joints = data_->joints();
+  const Eigen::MatrixXd covariance =
+      innovations_.transpose() * innovations_ / static_cast<double>(innovations_.rows());
+  double sum = 0.0;
+  for (const Block& block : data_->blocks()) {
+    // What an innovation adds to the product from its time on: the recursion of draw(), backwards.
+    const Eigen::Index count = block.end - block.first;
+    Eigen::MatrixXd adds = Eigen::MatrixXd::Zero(kBurnIn + count + process_.order, joints);
+    for (Eigen::Index t = kBurnIn + count - 1; t >= 0; --t) {
+      for (int joint = 0; joint < joints; ++joint) {
+        const Eigen::VectorXd& a = process_.coefficients[static_cast<std::size_t>(joint)];
+        adds(t, joint) = t >= kBurnIn ? column[joint * data_->rows() + block.first + t - kBurnIn] : 0.0;
+        for (int k = 0; k < process_.order; ++k) {
+          adds(t, joint) += a[k] * adds(t + 1 + k, joint);
+        }
+      }
+    }
+    sum += (adds * covariance).cwiseProduct(adds).sum();
+  }
+  return sum;
+}
+
+}  // namespace patella::diagnose

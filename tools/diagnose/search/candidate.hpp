@@ -1,0 +1,29 @@
+// How a candidate enters a fit: in place of the terms that it contains, and without what other terms already
+// say.
+#pragma once
+
+#include <optional>
+
+#include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/search/search.hpp"
+
+namespace patella::diagnose {
+
+/// Whether the torque of `term` is a special case of what `recipe` can give, so that `recipe` takes its
+/// place. True of declared terms too, among them one of the same kind: two of them would be one.
+bool replaces(const Recipe& recipe, const Term& term);
+
+/// The recipe without the coefficients that are not marked.
+std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recipe,
+                                      const std::vector<bool>& kept);
+
+/// A fit with a candidate as last term, ready to be fitted; nothing where the terms of the fit already give
+/// any torque that the candidate can. Coefficients that only repeat what other effects give are left out:
+/// what the sum is made of could not be told, and any shares would fit.
+std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom,
+                                      const Screened& screened);
+
+/// A fit without one of its terms, and with the declared ones back that it had replaced.
+ModelFit withoutTerm(const ModelFit& fit, std::size_t term);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,126 @@
+#include "tools/diagnose/search/estimates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "core/model/effect.hpp"
+#include "tools/diagnose/effects/recipe_names.hpp"
+#include "tools/diagnose/search/gates.hpp"
+#include "tools/diagnose/search/search.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kDeviations95 = 1.959964;
+/// Of a factor: nothing is known of what it multiplies.
+constexpr double kLargestLogarithm = 50.0;
+
+// Names of the parameters at which the fit came to the end of a range.
+std::set<std::string> atBound(const Term& term) {
+  const Recipe& recipe = *term.recipe;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < term.c.size(); ++i) {
+    if ((recipe.nonnegative[i] && term.c[i] <= 0.0) || std::abs(term.c[i]) >= recipe.largest) {
+      names.insert(coefficientName(recipe, term.nu, i));
+    }
+  }
+  for (std::size_t k = 0; k < term.nu.size(); ++k) {
+    const NonlinearParameter& range = recipe.nonlinear[k];
+    const double near = 1e-6 * (range.upper - range.lower);
+    if (term.nu[k] <= range.lower + near || term.nu[k] >= range.upper - near) {
+      names.insert(shapeName(recipe, term.c, term.nu, k));
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates,
+                                std::uint64_t seed) {
+  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, replicates, seed);
+  const Eigen::VectorXd left_out = jackknifeCovariance(fit).diagonal();
+  const Eigen::VectorXd factor = (left_out.array() / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return factor.asDiagonal() * drawn * factor.asDiagonal();
+}
+
+Eigen::MatrixXd parameterSlopes(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t index) {
+  const Term& term = fit.terms[index];
+  const std::vector<double> values = ModelFitter::effectParameters(term);
+  const auto count = static_cast<Eigen::Index>(term.c.size() + term.nu.size());
+  Eigen::MatrixXd slope(static_cast<Eigen::Index>(values.size()), count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Term moved = term;
+    const auto i = static_cast<std::size_t>(k);
+    double& value = i < term.c.size() ? moved.c[i] : moved.nu[i - term.c.size()];
+    const Eigen::Index place = fit.offset[index] + k;
+    const double step = std::max(1e-3 * std::sqrt(covariance(place, place)), 1e-9);
+    value += step;
+    const std::vector<double> there = ModelFitter::effectParameters(moved);
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      slope(static_cast<Eigen::Index>(p), k) = (there[p] - values[p]) / step;
+    }
+  }
+  return slope;
+}
+
+Eigen::MatrixXd withBumps(Eigen::MatrixXd covariance, const ModelFit& fit) {
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
+    for (std::size_t k = 0; k < term.nu.size(); ++k) {
+      const Eigen::Index place = fit.offset[t] + static_cast<Eigen::Index>(term.c.size() + k);
+      covariance(place, place) += std::pow(term.recipe->nonlinear[k].step, 2);
+    }
+  }
+  return covariance;
+}
+
+std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& all_covariance,
+                                         std::size_t index) {
+  const Term& term = fit.terms[index];
+  const auto& descriptor = *model::findEffect(term.recipe->kind);
+  const std::vector<double> values = ModelFitter::effectParameters(term);
+  const auto count = static_cast<Eigen::Index>(term.c.size() + term.nu.size());
+  const Eigen::MatrixXd known = withBumps(all_covariance, fit);
+  const Eigen::MatrixXd slope = parameterSlopes(fit, known, index);
+  const Eigen::MatrixXd covariance = known.block(fit.offset[index], fit.offset[index], count, count);
+  const std::set<std::string> at_bound = atBound(term);
+  const Eigen::MatrixXd propagated = slope * covariance * slope.transpose();
+  std::vector<ParameterEstimate> all;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    const auto row = static_cast<Eigen::Index>(p);
+    const double half = kDeviations95 * std::sqrt(std::max(0.0, propagated(row, row)));
+    // A modelling choice is an estimate where it was fitted.
+    if (descriptor.parameters[p].identified || slope.row(row).squaredNorm() > 0.0) {
+      all.push_back({.name = std::string(descriptor.parameters[p].name),
+                     .value = values[p],
+                     .ci95 = {values[p] - half, values[p] + half},
+                     .by_factor = term.recipe->by_factors,
+                     .at_bound = at_bound.contains(std::string(descriptor.parameters[p].name))});
+      if (all.back().by_factor) {
+        const double factor = std::exp(std::min(half / values[p], kLargestLogarithm));
+        all.back().ci95 = {values[p] / factor, values[p] * factor};
+      }
+    }
+  }
+  return all;
+}
+
+std::vector<RefittedParameter> refittedParameters(const ModelFitter& fitter, const ModelFit& fit,
+                                                  const Eigen::MatrixXd& covariance) {
+  std::vector<RefittedParameter> all;
+  for (std::size_t i = 0; i < fitter.mechanismNames().size(); ++i) {
+    const double nominal = fitter.mechanismValues()[i];
+    const double refitted = nominal * std::exp(fit.mechanism[i]);
+    const auto row = static_cast<Eigen::Index>(i);
+    all.push_back({.name = fitter.mechanismNames()[i],
+                   .nominal = nominal,
+                   .refitted = refitted,
+                   .sd = refitted * std::sqrt(covariance(row, row))});
+  }
+  return all;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,54 @@
+#include "tools/diagnose/search/heldout_elimination.hpp"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "tools/diagnose/fit/model_error.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kSmaller = 0.998;
+/// Squared standard deviations by which nominal parameters may make up for what is dropped.
+constexpr double kMoved = 4.0;
+
+double squaredPriorDistance(const ModelFit& fit) {
+  return fit.prior_residual.squaredNorm() / std::pow(fit.prior_scale, 2);
+}
+
+}  // namespace
+
+std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& selection,
+                                             const Dataset& heldout) {
+  const auto error = [&](const ModelFit& fit) {
+    return residualOf(heldout, fitter.describe(fit)).residual.norm();
+  };
+  std::vector<std::string> dropped;
+  for (;;) {
+    double least = kSmaller * error(selection.fit);
+    std::optional<Selection> best;
+    std::string label;
+    for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
+      if (selection.fit.terms[t].declared) {
+        continue;
+      }
+      Selection smaller = withoutTerm(fitter, selection, t);
+      const double moved = squaredPriorDistance(smaller.fit) -
+                           selection.fit.prior_residual.squaredNorm() / std::pow(smaller.fit.prior_scale, 2);
+      const double left = error(smaller.fit);
+      if (left < least && moved < kMoved) {
+        least = left;
+        best = std::move(smaller);
+        label = selection.fit.terms[t].recipe->label();
+      }
+    }
+    if (!best) {
+      return dropped;
+    }
+    dropped.push_back(label);
+    selection = std::move(*best);
+  }
+}
+
+}  // namespace patella::diagnose

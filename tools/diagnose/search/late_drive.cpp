@@ -1,0 +1,92 @@
+#include "tools/diagnose/search/late_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/search/estimates.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// As far up as encoders let accelerations be known.
+constexpr DatasetOptions kFast{.smoothing_Hz = 100.0, .evaluation_rate_Hz = 1000.0, .band_Hz = 40.0};
+
+/// Of a drive's torque, what may be left unexplained at most. A controller answers what pushes the machine, a
+/// patient or a contact, and its answer passes for a late drive: both let torque follow on motion. Where
+/// little pushes, little is answered.
+constexpr double kUndisturbed = 0.05;
+
+/// Of the square of what is left, what the delay has to explain at least. The noise of fast motion is known
+/// less well than the tests suppose.
+constexpr double kMaterial = 0.05;
+
+bool undisturbed(const Dataset& data, const app::ModelDescription& explained, int joint) {
+  model::DynamicsModel dynamics = app::makeModel(explained);
+  const Column torque = data.driveTorque();
+  return jointRms(data, torque - data.modelTorque(dynamics), joint) <
+         kUndisturbed * jointRms(data, torque, joint);
+}
+
+// Of fast motion little is sinusoids; and what a controller answers is little here.
+std::vector<std::shared_ptr<const Recipe>> byWholeTorque(
+    const std::vector<std::shared_ptr<const Recipe>>& recipes) {
+  std::vector<std::shared_ptr<const Recipe>> changed;
+  for (const auto& recipe : recipes) {
+    Recipe copy = *recipe;
+    copy.by_asked_torque = false;
+    changed.push_back(std::make_shared<const Recipe>(std::move(copy)));
+  }
+  return changed;
+}
+
+}  // namespace
+
+std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
+                                      const app::ModelDescription& explained, std::span<const int> joints,
+                                      const FitOptions& fit_options, const SelectionOptions& selection) {
+  const Dataset data(recordings, kFast);
+  if (data.isStatic()) {
+    return {};
+  }
+  std::vector<int> clean(joints.begin(), joints.end());
+  std::erase_if(clean, [&](int joint) { return !undisturbed(data, explained, joint); });
+  if (clean.empty()) {
+    return {};
+  }
+  ModelFitter fitter(data, explained, fit_options);
+  fitter.setRedundancy(redundancy(data, fitter.nominal(), selection.seed));
+  const ModelFit nominal = fitter.nominal();
+  const std::vector<std::string> kinds{"actuator_delay", "actuator_lag"};
+  const std::vector<double> no_friction(static_cast<std::size_t>(data.joints()), 0.0);
+  const auto all =
+      byWholeTorque(recipes(data, app::makeModel(explained).mechanism(), kinds, {}, no_friction, false));
+  std::vector<LateDrive> late;
+  for (const int joint : clean) {
+    auto considered = all;
+    std::erase_if(considered, [joint](const auto& recipe) { return recipe->joint != joint; });
+    // One a drive: two delays are one.
+    SelectionOptions one = selection;
+    one.most_effects = 1;
+    const Selection found = select(fitter, recipeAtoms(fitter, considered), nominal, one);
+    if (found.fit.terms.size() == nominal.terms.size()) {
+      continue;
+    }
+    const Term& term = found.fit.terms.back();
+    if (jointRms(data, found.fit.residual, joint) >
+        std::sqrt(1.0 - kMaterial) * jointRms(data, nominal.residual, joint)) {
+      continue;
+    }
+    const Eigen::MatrixXd covariance =
+        parameterCovariance(data, found.fit, selection.replicates, selection.seed);
+    late.push_back({.effect = {.kind = term.recipe->kind,
+                               .joint = joint,
+                               .parameters = ModelFitter::effectParameters(term)},
+                    .estimate = estimates(found.fit, covariance, found.fit.terms.size() - 1).front(),
+                    .evidence = found.evidence.back()});
+  }
+  return late;
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,29 @@
+// How late a drive acts, told from the fast part of recordings: where friction reverses within milliseconds,
+// a delay shows that the slow motion, in which effects are told apart, hardly knows.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/search/selection.hpp"
+
+namespace patella::diagnose {
+
+/// A delay or a lag of one drive.
+struct LateDrive {
+  app::EffectDescription effect;
+  ParameterEstimate estimate;
+  Evidence evidence;
+};
+
+/// Delays and lags of the drives of `joints` that show beside what `explained` has, through every gate of a
+/// selection, on joints whose torque `explained` leaves little of. Friction and all else that `explained` has
+/// may move within what a fit allows declared effects.
+std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
+                                      const app::ModelDescription& explained, std::span<const int> joints,
+                                      const FitOptions& fit, const SelectionOptions& selection);
+
+}  // namespace patella::diagnose

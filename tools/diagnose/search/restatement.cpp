@@ -1,0 +1,295 @@
+#include "tools/diagnose/search/restatement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/diagnose/effects/relations.hpp"
+#include "tools/diagnose/search/candidate.hpp"
+#include "tools/diagnose/search/estimates.hpp"
+#include "tools/diagnose/search/ranking.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Of −2 log posterior, in units of chance: as good as equal.
+constexpr double kAsGood = 0.1;
+/// Share of what an effect explains that a simple one may leave where the effect is out of its range.
+constexpr double kRest = 0.1;
+/// Standard deviations by which two levels of friction differ, if they are two: as wide as the intervals that
+/// the user is shown.
+constexpr double kTwoLevels = 2.5;
+
+class Restatement {
+ public:
+  Restatement(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection)
+      : fitter_(fitter),
+        atoms_(atoms),
+        options_(options),
+        unit_(options.unit),
+        cost_(parameterCost(selection.fit)),
+        selection_(selection) {}
+
+  void run() {
+    while (simplify()) {
+    }
+    unite("torque_bias", "asymmetric_friction", 2);
+    unite("stribeck_friction", "stribeck_friction", 2);
+    restateFriction();
+    while (simplify()) {
+    }
+    levelOut();
+    findPlainFriction();
+  }
+
+ private:
+  // Puts a special case in the place of what contains it, where the rest is not worth its parameters: an
+  // early step did not know yet what the later ones found. False where all is as simple as it can be.
+  bool simplify() {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (term.declared) {
+        continue;
+      }
+      const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
+      // Others may say it all by now.
+      std::optional<ModelFit> best;
+      if (rest.at_edge.empty()) {
+        best = rest;
+      }
+      for (const Atom& atom : atoms_.items) {
+        const bool same =
+            atom.recipe->kind == term.recipe->kind && atom.recipe->coefficients() >= term.c.size();
+        if (same || !contains(*term.recipe, *atom.recipe) || !atom.recipe->nonlinear.empty() ||
+            isContainedInOthers(*atom.recipe, t)) {
+          continue;
+        }
+        std::optional<ModelFit> simple = added(rest, atom, atom.nu);
+        if (simple && simple->at_edge.empty() && (!best || worth(*simple) < worth(*best))) {
+          best = std::move(simple);
+        }
+      }
+      if (best && (worth(*best) < worth(selection_.fit) + kAsGood * unit_ || isOutOfRange(t, *best, rest))) {
+        take(std::move(*best), selection_.evidence[t].p_value);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Later steps have moved a parameter to where it means another effect, such as a spring's rest far from the
+  // motion, and the simple one says nearly all.
+  bool isOutOfRange(std::size_t term, const ModelFit& simple, const ModelFit& rest) const {
+    const ModelFit& fit = selection_.fit;
+    const std::string label = fit.terms[term].recipe->label();
+    return std::any_of(fit.at_edge.begin(), fit.at_edge.end(),
+                       [&](const Edge& edge) { return edge.label == label; }) &&
+           simple.objective - fit.objective < kRest * (rest.objective - fit.objective);
+  }
+
+  bool isContainedInOthers(const Recipe& recipe, std::size_t but) const {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (t != but && !term.declared && contains(*term.recipe, recipe)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  std::optional<std::size_t> found(std::string_view kind, int joint) const {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      // A coulomb_friction with a shape of its own is another.
+      const bool plain = term.recipe->nonlinear.empty() || kind != "coulomb_friction";
+      if (!term.declared && plain && term.recipe->kind == kind && term.recipe->joint == joint) {
+        return t;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Two findings that are one: dry friction and a bias are, by algebra, dry friction of two levels; dry
+  // friction and what comes on top of it near rest are Stribeck's.
+  void unite(std::string_view second, std::string_view both, std::size_t coefficients) {
+    for (const Atom& atom : atoms_.items) {
+      const Recipe& recipe = *atom.recipe;
+      if (recipe.kind != both || recipe.coefficients() != coefficients) {
+        continue;
+      }
+      const auto one = found("coulomb_friction", recipe.joint);
+      const auto other = found(second, recipe.joint);
+      if (!one || !other) {
+        continue;
+      }
+      const auto [low, high] = std::minmax(*one, *other);
+      const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
+      const ModelFit rest = without(low, high);
+      const Term& second_term = selection_.fit.terms[*other];
+      std::optional<ModelFit> united = added(fitter_.fit(rest, *selection_.fit.weighting), atom,
+                                             second_term.recipe->kind == both ? second_term.nu : atom.nu);
+      if (!united || !united->at_edge.empty() || united->objective > selection_.fit.objective + unit_) {
+        continue;
+      }
+      take(std::move(*united), p_value);
+    }
+  }
+
+  // Two levels of friction that were found before Stribeck's peak may have stood for it: Stribeck's friction
+  // beside a bias and viscous friction, or without, takes their place where it says about the same in no more
+  // words.
+  void restateFriction() {
+    for (const Atom& stribeck : atoms_.items) {
+      if (stribeck.recipe->kind != "stribeck_friction") {
+        continue;
+      }
+      const auto levels = found("asymmetric_friction", stribeck.recipe->joint);
+      const auto peak = found("stribeck_friction", stribeck.recipe->joint);
+      if (!levels || !peak) {
+        continue;
+      }
+      const auto [low, high] = std::minmax(*levels, *peak);
+      const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
+      const std::vector<double> place = selection_.fit.terms[*peak].nu;
+      std::optional<ModelFit> best = added(without(low, high), stribeck, place);
+      if (!best) {
+        continue;
+      }
+      for (bool more = true; more;) {
+        more = false;
+        for (const Atom& atom : atoms_.items) {
+          if (atom.recipe->joint != stribeck.recipe->joint || !atom.recipe->nonlinear.empty() ||
+              (atom.recipe->kind != "viscous_friction" && atom.recipe->kind != "torque_bias")) {
+            continue;
+          }
+          // Without the other effect the peak may have run away.
+          ModelFit again = *best;
+          for (Term& term : again.terms) {
+            term.nu = term.recipe->label() == stribeck.recipe->label() ? place : term.nu;
+          }
+          std::optional<ModelFit> larger = added(again, atom, atom.nu);
+          if (larger && worth(*larger) < worth(*best)) {
+            best = std::move(larger);
+            more = true;
+          }
+        }
+      }
+      if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
+        take(std::move(*best), p_value);
+      }
+    }
+  }
+
+  // Friction of two levels that may as well be one is dry friction: a person's mean push moves one level up
+  // and the other down, which counts for more than the information criterion knows.
+  void levelOut() {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() != 2) {
+        continue;
+      }
+      const Eigen::Index at = selection_.fit.offset[t];
+      const Eigen::Matrix2d covariance =
+          widerCovariance(fitter_.data(), selection_.fit, options_.replicates, options_.seed)
+              .block<2, 2>(at, at);
+      const double variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
+      if (std::pow(term.c[0] - term.c[1], 2) > kTwoLevels * kTwoLevels * variance) {
+        continue;
+      }
+      const Atom* plain = plainAtom("coulomb_friction", term.recipe->joint);
+      std::optional<ModelFit> level =
+          plain != nullptr ? added(withoutTerm(selection_.fit, t), *plain, plain->nu) : std::nullopt;
+      if (level && level->at_edge.empty()) {
+        take(std::move(*level), selection_.evidence[t].p_value);
+      }
+    }
+  }
+
+  // Without a shape of its own.
+  const Atom* plainAtom(std::string_view kind, int joint) const {
+    const auto plain = std::find_if(atoms_.items.begin(), atoms_.items.end(), [&](const Atom& atom) {
+      return atom.recipe->kind == kind && atom.recipe->joint == joint && atom.recipe->nonlinear.empty();
+    });
+    return plain == atoms_.items.end() ? nullptr : &*plain;
+  }
+
+  // Friction of two levels and two dampings that are not worth their number may as well be dry and viscous
+  // friction: two effects, which no single rival is.
+  void findPlainFriction() {
+    for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
+      const Term& term = selection_.fit.terms[t];
+      if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() <= 2) {
+        continue;
+      }
+      std::optional<ModelFit> plain = withoutTerm(selection_.fit, t);
+      for (const std::string_view kind : {"coulomb_friction", "viscous_friction"}) {
+        const Atom* simple = plainAtom(kind, term.recipe->joint);
+        plain = plain && simple != nullptr ? added(*plain, *simple, simple->nu) : std::nullopt;
+      }
+      if (plain && plain->at_edge.empty() && worth(*plain) < worth(selection_.fit)) {
+        selection_.evidence[t].rivals.push_back("coulomb_friction+viscous_friction@" +
+                                                std::to_string(term.recipe->joint + 1));
+      }
+    }
+  }
+
+  // Evidence of terms that were there already goes with them; new ones have this p.
+  void take(ModelFit fit, double p_value) {
+    std::vector<Evidence> evidence;
+    for (const Term& term : fit.terms) {
+      const auto& old = selection_.fit.terms;
+      const auto same =
+          std::find_if(old.begin(), old.end(), [&](const Term& t) { return t.recipe == term.recipe; });
+      evidence.push_back(same != old.end()
+                             ? selection_.evidence[static_cast<std::size_t>(same - old.begin())]
+                             : Evidence{.p_value = term.declared ? 1.0 : p_value, .gain = 0.0, .rivals = {}});
+    }
+    selection_.evidence = std::move(evidence);
+    selection_.fit = std::move(fit);
+  }
+
+  // The terms without two of them, the lower first; not fitted.
+  ModelFit without(std::size_t low, std::size_t high) const {
+    // Declared terms that come back stand first.
+    const std::size_t moved = low + selection_.fit.terms[high].replaced.size();
+    return withoutTerm(withoutTerm(selection_.fit, high), moved);
+  }
+
+  // The fit with one more effect; empty where that gives nothing of its own.
+  std::optional<ModelFit> added(const ModelFit& fit, const Atom& atom, const std::vector<double>& nu) {
+    std::optional<ModelFit> start = withCandidate(fitter_, fit, atom, Screened{});
+    if (!start) {
+      return std::nullopt;
+    }
+    start->terms.back().nu = nu;
+    return fitter_.fit(std::move(*start), *selection_.fit.weighting);
+  }
+
+  // What a fit leaves and what its parameters cost, those that the model had already left out.
+  double worth(const ModelFit& fit) const {
+    double declared = 0.0;
+    for (const Term& term : fit.terms) {
+      declared += term.declared ? static_cast<double>(term.c.size() + term.nu.size()) : 0.0;
+    }
+    return fit.objective + unit_ * cost_ * (parametersInUse(fit) - declared);
+  }
+
+  ModelFitter& fitter_;
+  const Atoms& atoms_;
+  const RestateOptions& options_;
+  double unit_;
+  double cost_;
+  Selection& selection_;
+};
+
+}  // namespace
+
+void restate(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection) {
+  Restatement(fitter, atoms, options, selection).run();
+}
+
+}  // namespace patella::diagnose

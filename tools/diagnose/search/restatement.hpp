@@ -1,0 +1,22 @@
+// A selection in fewer or plainer words: an early step did not know yet what the later ones found.
+#pragma once
+
+#include <cstdint>
+
+#include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/search/selection.hpp"
+
+namespace patella::diagnose {
+
+struct RestateOptions {
+  double unit = 1.0;     ///< what chance brings a parameter, in the units of the fit's objective
+  int replicates = 499;  ///< of the bootstrap that says how well parameters are known
+  std::uint64_t seed = 1;
+};
+
+/// Puts special cases in the place of what contains them, one effect in the place of two that are one, and
+/// Stribeck's friction in the place of two levels that stood for it, wherever the information criterion does
+/// not speak against it; and one level of friction in the place of two that may be equal.
+void restate(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection);
+
+}  // namespace patella::diagnose

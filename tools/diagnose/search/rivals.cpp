@@ -1,0 +1,216 @@
+#include "tools/diagnose/search/rivals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "tools/diagnose/effects/relations.hpp"
+#include "tools/diagnose/search/candidate.hpp"
+#include "tools/diagnose/search/ranking.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Of what the found effect's columns explain, what those of a rival must, to be fitted in full.
+constexpr double kNearRival = 0.35;
+/// Effects within this much of −2 log posterior of each other explain the data equally well.
+constexpr double kRivalMargin = 6.0;
+/// The same without regard to the number of parameters: what explains no less is no worse an answer for
+/// having more of them, which its physics may have fixed.
+constexpr double kAsWell = 2.7;
+/// The same as a share of what was found explains: where that is much, small faults of any model, which grow
+/// with it, count for more than noise.
+constexpr double kNoDifference = 0.005;
+/// The same for effects that are much alike, of which real machines have a little of both: four standard
+/// deviations.
+constexpr double kAlike = 16.0;
+/// An effect that contains another always explains as much. It is a rival only where each parameter that it
+/// has beyond the other explains more than one in twenty would by chance.
+constexpr double kNestedEvidence = 3.84;
+/// Of Akaike's criterion: a rival so much behind another has less than a seventh of its support.
+constexpr double kPredictsLess = 4.0;
+constexpr int kRivalReplicates = 99;
+/// Of a found torque's size, by how much one that contains it may differ within its 95 % interval, and the
+/// found one still be the only answer.
+constexpr double kMaterialDoubt = 0.25;
+constexpr double kWithin95 = 2.0;
+/// Of what Stribeck's friction explains, the share from which on dry friction may be all there is.
+constexpr double kNearlyAll = 0.85;
+
+/// What the search for rivals of one found effect shares.
+class RivalSearch {
+ public:
+  RivalSearch(ModelFitter& fitter, const ModelFit& found, const ModelFit& smaller, std::size_t term,
+              double unit, std::uint64_t seed)
+      : fitter_(fitter),
+        found_(found),
+        smaller_(smaller),
+        own_(*found.terms[term].recipe),
+        torque_(fitter.torque(found.terms[term])),
+        cost_(parameterCost(found)),
+        unit_(unit),
+        seed_(seed),
+        gain_((smaller.objective - found.objective) / unit) {}
+
+  double gain() const { return gain_; }
+
+  std::vector<std::string> labels(const Atoms& atoms) const {
+    const Screening screening(fitter_.data(), smaller_, atoms,
+                              {.replicates = kRivalReplicates, .seed = seed_});
+    std::vector<Candidate> candidates = rank(atoms, screening, cost_);
+    const std::string own = own_.label();
+    const auto itself = std::find_if(candidates.begin(), candidates.end(),
+                                     [&](const Candidate& c) { return c.atom->label == own; });
+    const double own_score = itself == candidates.end() ? 0.0 : itself->score;
+    std::erase_if(candidates, [&](const Candidate& c) {
+      return c.atom->label == own || c.score < kNearRival * own_score;
+    });
+    fitBest(fitter_, smaller_, cost_, candidates);
+    std::vector<const Candidate*> rivals;
+    const Candidate* simpler = nullptr;
+    const Candidate* wider = nullptr;
+    for (const Candidate& candidate : candidates) {
+      if (candidate.fit && doesAsWell(candidate)) {
+        rivals.push_back(&candidate);
+      } else if (candidate.fit && isNearlyAll(candidate)) {
+        simpler = &candidate;
+      } else if (candidate.fit && rivals.empty() && notExcluded(candidate) &&
+                 (wider == nullptr || predicts(candidate) > predicts(*wider))) {
+        wider = &candidate;
+      }
+    }
+    const Candidate* other = simpler != nullptr ? simpler : wider;
+    if (rivals.empty() && other != nullptr) {
+      rivals.push_back(other);
+    }
+    dropOutdone(rivals);
+    std::vector<std::string> labels;
+    for (const Candidate* rival : rivals) {
+      labels.push_back(rival->atom->label);
+    }
+    return labels;
+  }
+
+ private:
+  bool doesAsWell(const Candidate& rival) const {
+    if (unphysical(rival.refused_because) || decidedByNesting(rival)) {
+      return false;
+    }
+    const double margin = gain_ - cost_ * (parametersInUse(found_) - parametersInUse(smaller_));
+    const double as_well = areAlike(*rival.atom->recipe, own_) ? kAlike : kAsWell;
+    return marginOf(rival) > margin - kRivalMargin ||
+           rival.fit->objective < found_.objective + std::max(as_well, kNoDifference * gain_) * unit_;
+  }
+
+  // Of two effects of which one contains the other, the information criterion has chosen.
+  bool decidedByNesting(const Candidate& rival) const {
+    if (contains(own_, *rival.atom->recipe)) {
+      return true;
+    }
+    const double more = parameters(*rival.fit) - parameters(found_);
+    const double gain = gainOf(rival) - gain_;
+    return contains(*rival.atom->recipe, own_) && gain < kNestedEvidence * more;
+  }
+
+  // Of rivals of which one contains the other, evidence chooses as above; of those that contain what was
+  // found, one is named, which would predict best; of any, those stay that would predict nearly as well as
+  // the best of them.
+  void dropOutdone(std::vector<const Candidate*>& rivals) const {
+    const auto outdone = [&](const Candidate* rival, const Candidate* other) {
+      const double gain = (other->fit->objective - rival->fit->objective) / unit_;
+      const double more = parameters(*rival->fit) - parameters(*other->fit);
+      const Recipe& one = *rival->atom->recipe;
+      const Recipe& its = *other->atom->recipe;
+      if (contains(one, its) || contains(its, one) || approaches(one, its)) {
+        return gain < kNestedEvidence * more;
+      }
+      if (contains(one, own_) && contains(its, own_)) {
+        return predicts(*rival) < predicts(*other);
+      }
+      return predicts(*rival) < predicts(*other) - kPredictsLess * unit_;
+    };
+    const auto outdoneByAny = [&](const Candidate* rival) {
+      return std::any_of(rivals.begin(), rivals.end(), [&](const Candidate* other) {
+        return other->atom->recipe->label() != rival->atom->recipe->label() && outdone(rival, other);
+      });
+    };
+    // One by one, so that the last stays.
+    for (auto at = rivals.begin();
+         (at = std::find_if(rivals.begin(), rivals.end(), outdoneByAny)) != rivals.end();) {
+      rivals.erase(at);
+    }
+  }
+
+  // Whether dry friction alone explains almost what Stribeck's does. Near rest a measured velocity turns
+  // round in its own way, and the larger the friction, the more that looks like a peak.
+  bool isNearlyAll(const Candidate& rival) const {
+    return own_.kind == "stribeck_friction" && rival.atom->recipe->kind == "coulomb_friction" &&
+           rival.atom->recipe->joint == own_.joint && !unphysical(rival.refused_because) &&
+           gainOf(rival) > kNearlyAll * gain_;
+  }
+
+  // In the unit of what was found, as rivals explain the same part of the data.
+  double gainOf(const Candidate& rival) const { return (smaller_.objective - rival.fit->objective) / unit_; }
+
+  double marginOf(const Candidate& rival) const {
+    return gainOf(rival) - cost_ * (parametersInUse(*rival.fit) - parametersInUse(smaller_));
+  }
+
+  // Akaike's criterion: how well a rival would predict, as nobody claims that the data prove it.
+  double predicts(const Candidate& rival) const {
+    return -rival.fit->objective - 2.0 * unit_ * parametersInUse(*rival.fit);
+  }
+
+  // Whether the torque of an effect that contains the found one may well be another: too little is said of
+  // what it has beyond.
+  bool notExcluded(const Candidate& rival) const {
+    const ModelFit& fit = *rival.fit;
+    if (!contains(*rival.atom->recipe, own_) || unphysical(rival.refused_because)) {
+      return false;
+    }
+    const Eigen::MatrixXd covariance = parameterCovariance(fitter_.data(), fit, kRivalReplicates, seed_);
+    const Eigen::Index first = fit.offset.back();
+    const Eigen::Index count = fit.tangent.cols() - first;
+    const Eigen::MatrixXd slope = fit.tangent.rightCols(count);
+    const Eigen::LDLT<Eigen::MatrixXd> root(covariance.bottomRightCorner(count, count));
+    const Eigen::MatrixXd spread = slope *
+                                   (root.transpositionsP().transpose() * Eigen::MatrixXd(root.matrixL())) *
+                                   root.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    const double largest =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(spread.transpose() * spread).eigenvalues().maxCoeff();
+    return kWithin95 * std::sqrt(largest) > kMaterialDoubt * torque_.norm();
+  }
+
+  ModelFitter& fitter_;
+  const ModelFit& found_;
+  const ModelFit& smaller_;  ///< without the found effect
+  const Recipe& own_;
+  Eigen::VectorXd torque_;  ///< of the found effect
+  double cost_;
+  double unit_;
+  std::uint64_t seed_;
+  double gain_;  ///< of the found effect
+};
+
+}  // namespace
+
+void findRivals(ModelFitter& fitter, const Atoms& atoms, double unit, std::uint64_t seed,
+                Selection& selection) {
+  for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
+    if (selection.fit.terms[t].declared) {
+      continue;
+    }
+    const ModelFit smaller = fitter.fit(withoutTerm(selection.fit, t), *selection.fit.weighting);
+    const RivalSearch search(fitter, selection.fit, smaller, t, unit, seed);
+    selection.evidence[t].gain = search.gain();
+    auto& known = selection.evidence[t].rivals;
+    for (const std::string& label : search.labels(atoms)) {
+      if (std::find(known.begin(), known.end(), label) == known.end()) {
+        known.push_back(label);
+      }
+    }
+  }
+}
+
+}  // namespace patella::diagnose

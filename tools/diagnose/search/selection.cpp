@@ -1,0 +1,266 @@
+#include "tools/diagnose/search/selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include "tools/diagnose/effects/relations.hpp"
+#include "tools/diagnose/search/candidate.hpp"
+#include "tools/diagnose/search/gates.hpp"
+#include "tools/diagnose/search/ranking.hpp"
+#include "tools/diagnose/search/restatement.hpp"
+#include "tools/diagnose/search/rivals.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Of the mean square that is left of a joint's torque, what an effect has to explain: less is nothing that
+/// anyone would miss, however sure it is.
+constexpr double kLeastShare = 0.03;
+/// The same of a tremor whose gain, in units of chance, is below kClearLine. A person who walks or swings a
+/// leg pushes in a spectrum that has humps, which drawn noise does not have.
+constexpr double kLeastTremorShare = 0.15;
+constexpr double kClearLine = 100.0;
+/// Squared standard deviations. Damping that the model declares, or its masses, may have moved to make up for
+/// what is missing, so that little is left to explain.
+constexpr double kMaterialRelief = 4.0;
+constexpr double kLeastStability = 0.8;
+constexpr double kCrossValidationErrors = 1.5;
+/// What is said of a candidate that chance does not bring, but does not hold in every part of a recording.
+constexpr const char* kUnsteady = "cross-validation";
+constexpr const char* kUnstable = "stability";
+/// By how many times its margin a candidate must be the clearer one, to be tried where the best was refused.
+constexpr double kClearer = 3.0;
+
+class Selector {
+ public:
+  Selector(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal, const SelectionOptions& options)
+      : fitter_(fitter), atoms_(atoms), options_(options), cost_(parameterCost(nominal)) {
+    result_.fit = nominal;
+    result_.evidence.resize(nominal.terms.size());
+  }
+
+  Selection run() {
+    for (int step = 0; step < options_.most_effects && forward(); ++step) {
+      backward();
+      report(static_cast<double>(step + 1) / options_.most_effects);
+    }
+    restate(fitter_, atoms_, {.unit = unit_, .replicates = options_.replicates, .seed = options_.seed},
+            result_);
+    findRivals(fitter_, atoms_, unit_, options_.seed, result_);
+    return std::move(result_);
+  }
+
+ private:
+  void report(double fraction) const {
+    if (options_.progress) {
+      options_.progress(fraction);
+    }
+  }
+
+  bool forward() {
+    const ModelFit& current = result_.fit;
+    const Screening screening(
+        fitter_.data(), current, atoms_,
+        {.replicates = options_.replicates, .seed = options_.seed + 7919 * result_.steps.size()});
+    std::vector<Candidate> candidates = rank(atoms_, screening, cost_);
+    std::erase_if(candidates,
+                  [&](const Candidate& candidate) { return isContained(*candidate.atom->recipe); });
+    const auto statistic = [cost = cost_](double gain, int dimensions) { return gain - cost * dimensions; };
+    std::vector<double> chance = screening.chance(statistic);
+    std::sort(chance.begin(), chance.end());
+    const auto place =
+        static_cast<std::size_t>((1.0 - options_.family_wise_p) * static_cast<double>(chance.size() - 1));
+    const double threshold = chance[place];
+
+    Candidate* best = fitBest(fitter_, current, cost_, candidates);
+    double p_value = best != nullptr ? judge(*best, chance) : 1.0;
+    if (best != nullptr && !best->refused_because.empty()) {
+      Candidate* clearer = fitClearer(current, candidates, std::max(threshold, kClearer * best->margin));
+      if (clearer != nullptr) {
+        best = clearer;
+        p_value = judge(*best, chance);
+      }
+    }
+    SelectionStep step = describeStep(candidates, threshold, cost_);
+    step.p_value = p_value;
+    const bool accepted = best != nullptr && best->refused_because.empty();
+    if (accepted) {
+      step.ranking[static_cast<std::size_t>(best - candidates.data())].accepted = true;
+      step.accepted = best->atom->label;
+      accept(*best, p_value);
+    }
+    std::sort(step.ranking.begin(), step.ranking.end(), [](const auto& a, const auto& b) {
+      return std::tie(b.gain, a.label) < std::tie(a.gain, b.label);
+    });
+    result_.steps.push_back(std::move(step));
+    return accepted;
+  }
+
+  // There already, or a special case of what is there.
+  bool isContained(const Recipe& recipe) const {
+    return std::any_of(result_.fit.terms.begin(), result_.fit.terms.end(), [&](const Term& term) {
+      return !term.declared && (isSame(*term.recipe, recipe) || shapesTheSame(*term.recipe, recipe) ||
+                                (term.recipe->kind != recipe.kind && contains(*term.recipe, recipe)));
+    });
+  }
+
+  // Its p. A gate may refuse it.
+  double judge(Candidate& candidate, const std::vector<double>& chance) {
+    const double p_value = exceedance(chance, candidate.margin);
+    candidate.refused_because = gate(candidate, p_value);
+    if (candidate.refused_because == kUnsteady || candidate.refused_because == kUnstable) {
+      noteUnsteady(candidate, p_value);
+    }
+    return p_value;
+  }
+
+  // Of position or velocity only: a person's push comes and goes with time, activation and torque.
+  void noteUnsteady(const Candidate& candidate, double p_value) {
+    const Recipe& recipe = *candidate.atom->recipe;
+    const std::string_view variable = betrayingVariable(recipe.kind);
+    if (variable != "q" && variable != "dq") {
+      return;
+    }
+    const double explained =
+        std::max(0.0, squareOf(result_.fit, recipe.joint) - squareOf(*candidate.fit, recipe.joint));
+    result_.unsteady =
+        Dependence{.joint = recipe.joint,
+                   .variable = fmt::format("{}{}", variable, recipe.joint + 1),
+                   .explained_Nm = std::sqrt(explained / static_cast<double>(fitter_.data().rows())),
+                   .p_value = p_value};
+  }
+
+  // What explains most need not be what is least likely by chance: where noise is slow, slow torque counts
+  // for little. Returns a candidate of which screening and fit say more than `margin`.
+  Candidate* fitClearer(const ModelFit& current, std::vector<Candidate>& candidates, double margin) {
+    const auto isClearer = [&](Candidate& candidate) {
+      if (candidate.refused_because.empty() && !candidate.fit &&
+          candidate.screened->gain - cost_ * candidate.screened->dimensions > margin) {
+        fitCandidate(fitter_, current, cost_, candidate);
+      }
+      return candidate.refused_because.empty() && candidate.fit && candidate.margin > margin;
+    };
+    const auto clearer = std::find_if(candidates.begin(), candidates.end(), isClearer);
+    return clearer == candidates.end() ? nullptr : &*clearer;
+  }
+
+  double squareOf(const ModelFit& fit, int joint) const {
+    const Eigen::Index rows = fitter_.data().rows();
+    return fit.residual.segment(joint * rows, rows).squaredNorm();
+  }
+
+  // Of the mean square that is left of a joint's torque, the largest share that goes.
+  double shareOf(const ModelFit& larger) const {
+    double share = 0.0;
+    for (int joint = 0; joint < fitter_.data().joints(); ++joint) {
+      const double before = squareOf(result_.fit, joint);
+      share = std::max(share, before > 0.0 ? 1.0 - squareOf(larger, joint) / before : 0.0);
+    }
+    return share;
+  }
+
+  // What was known beforehand speaks against a fit by so many squared standard deviations less.
+  double reliefOf(const ModelFit& larger) const {
+    return (result_.fit.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
+           std::pow(larger.prior_scale, 2);
+  }
+
+  std::string gate(const Candidate& candidate, double p_value) const {
+    const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < kClearLine;
+    if (options_.gates.share && shareOf(*candidate.fit) < (hump ? kLeastTremorShare : kLeastShare) &&
+        reliefOf(*candidate.fit) < kMaterialRelief) {
+      return "too little";
+    }
+    if (options_.gates.chance && p_value >= options_.family_wise_p) {
+      return "chance";
+    }
+    if (options_.gates.cross_validation) {
+      const CrossValidation validated = crossValidate(result_.fit, *candidate.fit);
+      if (!validated.almost_everywhere &&
+          validated.gain <= kCrossValidationErrors * validated.standard_error) {
+        return kUnsteady;
+      }
+    }
+    if (options_.gates.stability &&
+        stability(result_.fit, *candidate.fit, candidate.unit * (candidate.gain - candidate.margin),
+                  options_.seed) < kLeastStability) {
+      return kUnstable;
+    }
+    return {};
+  }
+
+  // Evidence follows its term; what the new one replaced goes.
+  void accept(Candidate& best, double p_value) {
+    std::vector<Evidence> evidence;
+    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
+      if (!replaces(*best.atom->recipe, result_.fit.terms[t])) {
+        evidence.push_back(result_.evidence[t]);
+      }
+    }
+    evidence.push_back({.p_value = p_value, .gain = best.gain, .rivals = {}});
+    // What is left now is nearer to the noise: weighted by it, everything is fitted once more.
+    const Eigen::VectorXd residual = best.fit->residual;
+    fitter_.setRedundancy(redundancy(fitter_.data(), *best.fit, kUnitSeed));
+    result_.fit = fitter_.fit(std::move(*best.fit), Weighting(fitter_.data(), residual));
+    result_.evidence = std::move(evidence);
+    unit_ = best.unit;
+  }
+
+  ModelFit without(std::size_t term) {
+    return fitter_.fit(withoutTerm(result_.fit, term), *result_.fit.weighting);
+  }
+
+  // Drops what later additions have made superfluous.
+  void backward() {
+    for (std::size_t t = 0; t < result_.fit.terms.size();) {
+      const Term& term = result_.fit.terms[t];
+      if (term.declared || t + 1 == result_.fit.terms.size()) {
+        ++t;
+        continue;
+      }
+      ModelFit smaller = without(t);
+      const double gain = (smaller.objective - result_.fit.objective) / unit_;
+      if (gain < cost_ * (parameters(result_.fit) - parameters(smaller))) {
+        const std::size_t back = term.replaced.size();
+        result_.fit = std::move(smaller);
+        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(t));
+        result_.evidence.insert(result_.evidence.begin(), back, Evidence{});
+        t += back;
+      } else {
+        result_.evidence[t].gain = gain;
+        ++t;
+      }
+    }
+  }
+
+  ModelFitter& fitter_;
+  const Atoms& atoms_;
+  const SelectionOptions& options_;
+  double cost_;
+  double unit_ = 1.0;  ///< of the last accepted candidate
+  Selection result_;
+};
+
+}  // namespace
+
+Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
+                 const SelectionOptions& options) {
+  return Selector(fitter, atoms, nominal, options).run();
+}
+
+Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term) {
+  Selection smaller = selection;
+  smaller.fit = fitter.fit(withoutTerm(selection.fit, term), *selection.fit.weighting);
+  smaller.evidence.erase(smaller.evidence.begin() + static_cast<std::ptrdiff_t>(term));
+  // Declared terms that come back stand first.
+  smaller.evidence.insert(smaller.evidence.begin(), selection.fit.terms[term].replaced.size(), Evidence{});
+  return smaller;
+}
+
+}  // namespace patella::diagnose

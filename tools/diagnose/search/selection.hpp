@@ -1,0 +1,48 @@
+// Decides which effects are missing: forward, with replacement and a step back, each step through every gate.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/search/gates.hpp"
+#include "tools/diagnose/search/search.hpp"
+
+namespace patella::diagnose {
+
+struct SelectionOptions {
+  int replicates = 499;
+  double family_wise_p = 0.01;
+  std::uint64_t seed = 1;
+  int most_effects = 5;
+  Gates gates;
+  std::function<void(double fraction)> progress;
+};
+
+/// A found term and what speaks for it.
+struct Evidence {
+  double p_value = 1.0;
+  double gain = 0.0;                ///< fall of −2 log posterior that it alone accounts for
+  std::vector<std::string> rivals;  ///< labels that explain the data as well in its place
+};
+
+struct Selection {
+  ModelFit fit;
+  std::vector<Evidence> evidence;  ///< one for each term of the fit; empty for declared ones
+  std::vector<SelectionStep> steps;
+  /// Of the last candidate of position or velocity that chance does not bring, but that does not hold in
+  /// every part of the recording.
+  std::optional<Dependence> unsteady;
+};
+
+Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
+                 const SelectionOptions& options);
+
+/// The selection fitted again without one of its terms.
+Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term);
+
+}  // namespace patella::diagnose

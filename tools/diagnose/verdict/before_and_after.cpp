@@ -1,0 +1,132 @@
+#include "tools/diagnose/verdict/before_and_after.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/fit/model_error.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Held-out error over noise floor from which on something else happens there.
+constexpr double kOutOfProportion = 2.5;
+/// Held-out error of a joint after over before from which on the user is told: less is within the noise.
+constexpr double kCost = 1.05;
+
+void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
+               const app::ModelDescription& given, Diagnosis& result) {
+  result.simulation_window_s = kSimulationWindow_s;
+  result.curves_rate_Hz = train.rate_Hz();
+  appendCurves(train, given, result.extended, false, result.curves);
+  if (heldout) {
+    appendCurves(*heldout, given, result.extended, true, result.curves);
+  }
+}
+
+// Of the model's errors on held-out data; `unit_Nm` is each joint's.
+bool isWorse(const Diagnosis& result, const std::vector<double>& unit_Nm) {
+  double more = 0.0;
+  for (std::size_t joint = 0; joint < unit_Nm.size(); ++joint) {
+    const double unit = unit_Nm[joint] > 0.0 ? unit_Nm[joint] : 1.0;
+    more += std::pow(result.after.heldout_rms_Nm[joint] / unit, 2) -
+            std::pow(result.before.heldout_rms_Nm[joint] / unit, 2);
+  }
+  return more > 0.0;
+}
+
+// What does not hold on data that it was not fitted to is not added. A hip's noise is several times a knee's,
+// so joints count in units of theirs. Where nothing was named to explain it, what a fit leaves may be no
+// noise: refitted parameters then have to hold in plain torque, too.
+void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
+  // A finding that the model does not hold, such as a tremor whose phase wanders, has made nothing worse.
+  const auto was_added = [&result](const EffectFinding& finding) {
+    return std::any_of(result.extended.effects.begin(), result.extended.effects.end(),
+                       [&](const app::EffectDescription& effect) {
+                         return effect.kind == finding.kind && effect.joint == finding.joint;
+                       });
+  };
+  const bool any_added = std::any_of(result.effects.begin(), result.effects.end(), was_added);
+  const std::vector<double> plain(result.noise_floor_Nm.size(), 1.0);
+  if (!isWorse(result, result.noise_floor_Nm) && (any_added || !isWorse(result, plain))) {
+    return;
+  }
+  if (any_added) {
+    std::erase_if(result.effects, was_added);
+    result.verdict = Verdict::kUnknownEffect;
+    result.explanation =
+        "What explained the first part of the recording makes the error of the held-out part larger; "
+        "the model is left as it was.";
+  } else {
+    result.warnings.emplace_back(
+        "refitted nominal parameters make the held-out error larger; the model is left as it was");
+  }
+  result.extended = given;
+  result.after = result.before;
+}
+
+// Joints share a mechanism: what helps them together may cost one of them.
+void tellWhichJointPays(Diagnosis& result) {
+  for (std::size_t joint = 0; joint < result.after.heldout_rms_Nm.size(); ++joint) {
+    const double before = result.before.heldout_rms_Nm[joint];
+    const double after = result.after.heldout_rms_Nm[joint];
+    if (after > kCost * before) {
+      result.warnings.push_back(fmt::format(
+          "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while that of all together falls",
+          joint + 1, before, after, result.torque_unit));
+    }
+  }
+}
+
+// What happens only in the part that was held out has left no trace in the one that was fitted.
+void compareParts(Diagnosis& result) {
+  for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
+    const double fitted = result.noise_floor_Nm[joint];
+    const double unseen = result.after.heldout_rms_Nm[joint];
+    if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
+      result.verdict = Verdict::kUnknownEffect;
+      result.unexplained.push_back({.joint = static_cast<int>(joint),
+                                    .variable = "time",
+                                    .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
+                                    .p_value = 1.0});
+      result.explanation = fmt::format(
+          "Something else happens in the held-out part: the error of joint {} is {:.1f} times what it was in "
+          "the part that was fitted.",
+          joint + 1, unseen / fitted);
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result) {
+  result.extended = models.extended;
+  result.before = errorMeasure(models.train, models.heldout, models.given);
+  result.refitted = errorMeasure(models.train, models.heldout, models.refitted);
+  result.after = errorMeasure(models.train, models.heldout, result.extended);
+  for (int joint = 0; joint < models.train.joints(); ++joint) {
+    result.noise_floor_Nm.push_back(jointRms(models.train, models.unexplained, joint));
+  }
+  if (models.heldout) {
+    keepOnlyWhatHolds(models.given, result);
+    tellWhichJointPays(result);
+    compareParts(result);
+  }
+  addCurves(models.train, models.heldout, models.given, result);
+}
+
+void leaveAsItWas(const Dataset& train, const std::optional<Dataset>& heldout,
+                  const app::ModelDescription& given, Diagnosis& result) {
+  result.extended = given;
+  result.before = errorMeasure(train, heldout, given);
+  result.refitted = result.before;
+  result.after = result.before;
+  result.noise_floor_Nm = result.before.train_rms_Nm;
+  addCurves(train, heldout, given, result);
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,265 @@
+#include "tools/diagnose/verdict/excitation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/search/ranking.hpp"
+#include "tools/diagnose/search/selection.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kPercent = 100.0;
+constexpr double kMostClipped = 0.05;
+constexpr double kLeastClipped = 0.002;
+constexpr double kSingleLine = 0.97;
+/// Share of a joint's inertial torque that a torque which never changes may fail to explain: a free swing has
+/// friction.
+constexpr double kFreeSwing = 0.5;
+constexpr double kNarrowed = 0.8;
+constexpr double kPlainStrength = 3.0;
+/// Points of an effect's grid that are looked at: some have thousands.
+constexpr std::size_t kPointsLookedAt = 6;
+/// Share of its torque that the model may fail to explain on a joint at rest.
+constexpr double kRestExplained = 0.5;
+
+// Parameters of the model that was given; what was found is not among them, or it would not be seen twice.
+std::vector<Eigen::Index> givenParameters(const ModelFit& fit) {
+  std::vector<Eigen::Index> given(fit.mechanism.size());
+  std::iota(given.begin(), given.end(), 0);
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    for (std::size_t i = 0; i < fit.terms[t].c.size() && fit.terms[t].declared; ++i) {
+      given.push_back(fit.offset[t] + static_cast<Eigen::Index>(i));
+    }
+  }
+  return given;
+}
+
+// What the given parameters cannot take up of a torque that is as large as the noise, in the gain that
+// chance is held against.
+class Detector {
+ public:
+  Detector(const Dataset& data, const ModelFit& fit, double threshold)
+      : data_(data), fit_(fit), threshold_(threshold), redundancy_(fit.prior_scale * fit.prior_scale) {
+    const std::vector<Eigen::Index> given = givenParameters(fit);
+    const auto count = static_cast<Eigen::Index>(given.size());
+    const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent(Eigen::all, given));
+    Eigen::MatrixXd tangent(slope.rows() + count, count);
+    tangent << slope, Eigen::MatrixXd(Eigen::VectorXd(fit.prior_weight(given)).asDiagonal());
+    for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
+      const double length = tangent.col(k).norm();
+      tangent.col(k) /= length > 0.0 ? length : 1.0;
+    }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tangent);
+    qr.setThreshold(1e-7);
+    explained_ = qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
+  }
+
+  /// Smallest torque that would be told from chance, in units of the joint's noise; infinite where none
+  /// would.
+  double smallest(const Eigen::Ref<const Eigen::MatrixXd>& columns, int joint) const {
+    Eigen::VectorXd shape = columns.col(0);
+    if (columns.cols() > 1) {
+      const Eigen::MatrixXd others = columns.rightCols(columns.cols() - 1);
+      shape -= others * others.completeOrthogonalDecomposition().solve(shape);
+    }
+    const double size = shape.norm() / std::sqrt(static_cast<double>(data_.rows()));
+    const double noise = jointRms(data_, fit_.residual, joint);
+    if (!(size > 0.0) || !(noise > 0.0)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    const Eigen::VectorXd weighted = fit_.weighting->apply(shape * (noise / size));
+    Eigen::VectorXd left = Eigen::VectorXd::Zero(explained_.rows());
+    left.head(weighted.size()) = weighted;
+    left -= explained_ * (explained_.transpose() * left);
+    return std::sqrt(threshold_ * redundancy_ / std::max(left.squaredNorm(), 1e-300));
+  }
+
+ private:
+  const Dataset& data_;
+  const ModelFit& fit_;
+  double threshold_;
+  double redundancy_;
+  Eigen::MatrixXd explained_;
+};
+
+// Fall of −2 log-likelihood that the search asked for in its last step.
+double thresholdOf(const Diagnosis& diagnosis, const ModelFit& fit) {
+  if (!diagnosis.steps.empty() && !diagnosis.steps.back().ranking.empty()) {
+    return std::max(1.0, 2.0 * diagnosis.steps.back().ranking.front().threshold + parameterCost(fit));
+  }
+  constexpr double kTypical = 10.0;
+  return kTypical + parameterCost(fit);
+}
+
+// Smallest torque, in units of the noise, at which each kind on each joint would show.
+std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& atoms) {
+  std::map<std::string, std::vector<const Atom*>> by_label;
+  for (const Atom& atom : atoms.items) {
+    by_label[atom.label].push_back(&atom);
+  }
+  std::map<std::string, double> smallest;
+  for (const auto& [label, points] : by_label) {
+    double best = std::numeric_limits<double>::infinity();
+    const std::size_t step = (points.size() + kPointsLookedAt - 1) / kPointsLookedAt;
+    for (std::size_t i = 0; i < points.size(); i += step) {
+      best = std::min(best, detector.smallest(atoms.of(*points[i]), points[i]->joint));
+    }
+    smallest[label] = best;
+  }
+  return smallest;
+}
+
+std::size_t plainEffectsUnseen(const Detector& detector, const Dataset& data) {
+  std::size_t unseen = 0;
+  for (const ElementaryColumn& effect : elementaryColumns(data)) {
+    Eigen::MatrixXd columns = effect.torque;
+    if (effect.kind == "linear_stiffness") {
+      // Where the spring rests is free.
+      columns.conservativeResize(Eigen::NoChange, 2);
+      columns.col(1).setZero();
+      columns.col(1).segment(effect.joint * data.rows(), data.rows()).setOnes();
+    }
+    unseen += detector.smallest(columns, effect.joint) > kPlainStrength ? 1 : 0;
+  }
+  return unseen;
+}
+
+bool singleSinusoids(std::span<const JointSignals> signals) {
+  return std::all_of(signals.begin(), signals.end(), [](const JointSignals& joint) {
+    return !joint.moves || joint.line_share > kSingleLine;
+  });
+}
+
+// "Joint 2 does not move"; empty where all do.
+std::string restingJoints(std::span<const JointSignals> signals) {
+  std::string resting;
+  for (std::size_t j = 0; j < signals.size(); ++j) {
+    if (!signals[j].moves) {
+      resting += fmt::format("{} {}", resting.empty() ? "Joint" : " and joint", j + 1);
+    }
+  }
+  return resting.empty() ? resting : resting + " does not move";
+}
+
+void refuse(Diagnosis& diagnosis, std::string explanation) {
+  diagnosis.verdict = Verdict::kInsufficientExcitation;
+  diagnosis.explanation = std::move(explanation);
+}
+
+}  // namespace
+
+std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
+                     const app::ModelDescription& model) {
+  if (std::none_of(signals.begin(), signals.end(), [](const JointSignals& joint) { return joint.moves; })) {
+    return "No joint moves: velocities and ranges are those of encoders at rest.";
+  }
+  model::DynamicsModel dynamics = app::makeModel(model);
+  const Column missing = data.driveTorque() - data.modelTorque(dynamics);
+  const Column inertial = data.column({}, [&](const Series& series, std::size_t i) -> JointVector {
+    return dynamics.mechanism().inertia(series.states[i].q) * series.acceleration[i];
+  });
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const JointSignals& one = signals[static_cast<std::size_t>(joint)];
+    if (one.constant_torque && one.moves &&
+        jointRms(data, missing, joint) > kFreeSwing * jointRms(data, inertial, joint)) {
+      return fmt::format(
+          "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less.", joint + 1,
+          jointRms(data, missing, joint));
+    }
+    if (one.clipped_share > kMostClipped) {
+      return fmt::format(
+          "The torque of joint {} is cut off at {:.4g} N·m in {:.0f} % of the rows: what acted there "
+          "is not known.",
+          joint + 1, one.clipped_Nm, kPercent * one.clipped_share);
+    }
+  }
+  return {};
+}
+
+void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis) {
+  for (std::size_t j = 0; j < signals.size(); ++j) {
+    const JointSignals& joint = signals[j];
+    diagnosis.excitation.position_range_rad.push_back(joint.position_range_rad);
+    diagnosis.excitation.velocity_rms_rad_s.push_back(joint.velocity_rms_rad_s);
+    if (!joint.moves) {
+      diagnosis.excitation.not_identifiable.push_back(fmt::format("joint {} is at rest", j + 1));
+      diagnosis.warnings.push_back(
+          fmt::format("joint {} is at rest: nothing that acts on it can be told", j + 1));
+    } else if (joint.line_share > kSingleLine) {
+      diagnosis.warnings.push_back(fmt::format(
+          "a single sinusoid of {:.3g} Hz excites joint {}: what is proportional to position, velocity or "
+          "acceleration cannot be told apart for certain; add a second frequency",
+          joint.line_Hz, j + 1));
+    }
+    if (joint.clipped_share > kLeastClipped) {
+      diagnosis.warnings.push_back(
+          fmt::format("the torque of joint {} is cut off at {:.4g} N·m in {:.1f} % of the rows", j + 1,
+                      joint.clipped_Nm, kPercent * joint.clipped_share));
+    }
+  }
+}
+
+void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data, const ModelFit& fit,
+                     const Atoms& atoms, double nominal_tolerance, Diagnosis& diagnosis) {
+  const Detector detector(data, fit, thresholdOf(diagnosis, fit));
+  std::set<std::string> found;
+  for (const EffectFinding& effect : diagnosis.effects) {
+    found.insert(fmt::format("{}@{}", effect.kind, effect.joint + 1));
+  }
+  for (const auto& [label, smallest] : smallestOf(detector, atoms)) {
+    const bool shows = found.contains(label) || smallest < 1.0;
+    (shows ? diagnosis.excitation.identifiable : diagnosis.excitation.not_identifiable).push_back(label);
+  }
+  for (const RefittedParameter& parameter : diagnosis.nominal) {
+    const bool narrowed = parameter.sd < kNarrowed * nominal_tolerance * std::abs(parameter.refitted);
+    (narrowed ? diagnosis.excitation.identifiable : diagnosis.excitation.not_identifiable)
+        .push_back("nominal " + parameter.name);
+  }
+
+  const Column torque = data.driveTorque();
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    if (!signals[static_cast<std::size_t>(joint)].moves && !data.isStatic() &&
+        jointRms(data, fit.residual, joint) > kRestExplained * jointRms(data, torque, joint)) {
+      refuse(
+          diagnosis,
+          fmt::format("Joint {} is at rest by its encoder, but its torque is not what would hold it there; "
+                      "what moves the other joint cannot be told either.",
+                      joint + 1));
+      return;
+    }
+  }
+  if (diagnosis.verdict == Verdict::kEffectFound && diagnosis.effects.size() > 1 && !data.isStatic() &&
+      singleSinusoids(signals)) {
+    refuse(diagnosis,
+           "Single sinusoids excite the joints, and more than one effect would be needed: other combinations "
+           "explain as much. Add a second frequency.");
+  }
+  if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {
+    if (const std::string resting = restingJoints(signals); !resting.empty()) {
+      refuse(diagnosis, fmt::format("{}: whether anything is missing there cannot be told. Nothing was found "
+                                    "to be missing elsewhere.",
+                                    resting));
+      return;
+    }
+  }
+  const std::size_t plain = 4 * signals.size();
+  if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {
+    if (const std::size_t unseen = plainEffectsUnseen(detector, data); 2 * unseen > plain) {
+      refuse(diagnosis,
+             fmt::format("Nothing was found, but of {} plain effects {} would not show if they were three "
+                         "times as large as the noise.",
+                         plain, unseen));
+    }
+  }
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,48 @@
+// How the joints moved, and what such a motion can and cannot tell.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/search/search.hpp"
+
+namespace patella::diagnose {
+
+/// What a joint's signals show before anything is fitted, over all recordings.
+struct JointSignals {
+  double position_range_rad = 0.0;  ///< below 10 Hz
+  double velocity_rms_rad_s = 0.0;  ///< below 10 Hz
+  /// False where range or velocity are no more than those of an encoder at rest, or next to nothing against
+  /// those of the other joint.
+  bool moves = false;
+  bool constant_torque = false;
+  double clipped_share =
+      0.0;  ///< of the rows of a recording, where torque sits at its largest or smallest value
+  double clipped_Nm = 0.0;
+  double line_share = 0.0;  ///< of the velocity's power that one sinusoid holds
+  double line_Hz = 0.0;
+};
+std::vector<JointSignals> jointSignals(std::span<const Recording> recordings);
+
+/// Why these recordings tell nothing, whatever effects are considered: no joint moves, a torque that does not
+/// change though the motion takes it, torque that is cut off in more than 5 % of the rows. Empty where they
+/// may.
+std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
+                     const app::ModelDescription& model);
+
+/// What the motion alone says: range and velocity, joints at rest, single sinusoids, torque that is now and
+/// then cut off; the latter three also as warnings.
+void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis);
+
+/// Fills in what a diagnosis could have found: effects that would stand out from chance if their torque were
+/// as large as the noise (rms), and nominal parameters that the recordings narrowed. Makes the verdict
+/// insufficient_excitation where the answer rests on more than the motion tells: nothing was found, but a
+/// joint does not move, or most of the plainest effects would not show at three times the noise; two or more
+/// effects were found under single sinusoids; torque and encoder of a joint at rest contradict each other.
+void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data, const ModelFit& fit,
+                     const Atoms& atoms, double nominal_tolerance, Diagnosis& diagnosis);
+
+}  // namespace patella::diagnose

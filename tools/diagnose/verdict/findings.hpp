@@ -1,0 +1,26 @@
+// What a diagnosis says of its effects beyond their parameters, and of itself.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/search/selection.hpp"
+
+namespace patella::diagnose {
+
+/// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
+/// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that
+/// would tell them apart. Intervals come out wider, by an allowance for the shape of the effect.
+EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
+                        const Evidence& evidence, int joints);
+
+/// Adds what cannot be told apart because of what was found together: a spring that rests elsewhere takes up
+/// what two levels of friction differ by.
+void addConfoundsBetween(std::vector<EffectFinding>& findings);
+
+/// The verdict in a sentence or two. Of its nominal parameters those count as moved that left `tolerance`.
+std::string explanation(const Diagnosis& diagnosis, double tolerance);
+
+}  // namespace patella::diagnose

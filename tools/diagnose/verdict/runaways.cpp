@@ -1,0 +1,197 @@
+#include "tools/diagnose/verdict/runaways.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/model/effect.hpp"
+#include "tools/diagnose/effects/declared.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+/// Of an interval's half, and of a bound: nearer than this a value stands at the bound.
+constexpr double kTouches = 1e-3;
+/// Of its declared strength, below which an effect has vanished.
+constexpr double kNothingLeft = 0.01;
+constexpr double kPercent = 100.0;
+
+std::string label(const std::string& kind, int joint) {
+  return fmt::format("{}@{}", kind, joint + 1);
+}
+
+std::string withUnit(double value, const std::string& unit) {
+  return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+// The larger one of the fitted and the held-out data.
+void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway>& all) {
+  for (std::size_t joint = 0; joint < error.train_relative.size(); ++joint) {
+    const bool heldout =
+        joint < error.heldout_relative.size() && error.heldout_relative[joint] > error.train_relative[joint];
+    const double relative = (heldout ? error.heldout_relative : error.train_relative)[joint];
+    const double rms = (heldout ? error.heldout_rms_Nm : error.train_rms_Nm)[joint];
+    if (relative > 1.0 && relative < kNoTorque) {
+      all.push_back(
+          {.what = fmt::format("error@{}", joint + 1),
+           .nominal = rms / relative,
+           .refitted = rms,
+           .limit = 1.0,
+           .words = fmt::format("the error of joint {}, {}{}, is larger than its torque ({:.0f} %): "
+                                "no model at all would do better",
+                                joint + 1, model, heldout ? ", on held-out data" : "", kPercent * relative)});
+    }
+  }
+}
+
+void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate, const Units& units,
+                 std::vector<Runaway>& all) {
+  const std::array<double, 2> range = physicalRange(effect.kind, estimate.name);
+  const std::string unit = splitName(estimate.name, units).unit;
+  const std::string what = label(effect.kind, effect.joint) + " " + estimate.name;
+  const auto add = [&](double limit, const std::string& words) {
+    all.push_back({.what = what,
+                   .nominal = kNone,
+                   .refitted = estimate.value,
+                   .limit = limit,
+                   .words = parameterWords(what, units) + " " + words});
+  };
+  const double low = range[0], high = range[1];
+  const double from = estimate.ci95[0], to = estimate.ci95[1];
+  const auto touches = [&](double bound) {
+    return std::isfinite(bound) &&
+           std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));
+  };
+  if (from < to && from <= low && to >= high) {
+    add(kNone, fmt::format("may be anything: the interval holds its whole range, {} to {}",
+                           withUnit(low, unit), withUnit(high, unit)));
+    return;
+  }
+  if (touches(low) || touches(high)) {
+    const double bound = touches(low) ? low : high;
+    add(bound, fmt::format("stands at {}, the end of its range", withUnit(bound, unit)));
+  } else if (estimate.at_bound) {
+    add(estimate.value, fmt::format("stands at {}, where the search ends", withUnit(estimate.value, unit)));
+  }
+  if (from < 0.0 && to > 0.0 && (low >= 0.0 || isStrength(effect.kind, estimate.name))) {
+    add(0.0, fmt::format("{}{}{} may be zero", valueWithInterval(estimate.value, estimate.ci95),
+                         unit.empty() ? "" : " ", unit));
+  }
+}
+
+void addNominal(const RefittedParameter& parameter, double tolerance, const Units& units,
+                std::vector<Runaway>& all) {
+  const double ratio = parameter.refitted / parameter.nominal;
+  if (!(std::abs(std::log(ratio)) > kWithinTolerance * tolerance)) {
+    return;
+  }
+  const std::string unit = splitName(parameter.name.substr(0, parameter.name.find('[')), units).unit;
+  const double widest = std::exp(kWithinTolerance * tolerance);
+  all.push_back(
+      {.what = parameter.name,
+       .nominal = parameter.nominal,
+       .refitted = parameter.refitted,
+       .limit = kWithinTolerance * tolerance,
+       .words = fmt::format("the model's {} went from {} to {} ({:+.0f} %), outside its tolerance of "
+                            "{:.0f} to {:+.0f} %",
+                            parameterWords(parameter.name, units), withUnit(parameter.nominal, ""),
+                            withUnit(parameter.refitted, unit), kPercent * (ratio - 1.0),
+                            kPercent * (1.0 / widest - 1.0), kPercent * (widest - 1.0))});
+}
+
+/// The declared effect in the extended model; several of a kind on one joint keep their order. Nothing where
+/// it is gone.
+const app::EffectDescription* stillIn(std::span<const app::EffectDescription> extended,
+                                      std::span<const app::EffectDescription> declared, std::size_t index) {
+  const auto same = [&](const app::EffectDescription& effect) {
+    return effect.kind == declared[index].kind && effect.joint == declared[index].joint;
+  };
+  auto before = std::count_if(declared.begin(), declared.begin() + static_cast<std::ptrdiff_t>(index), same);
+  for (const app::EffectDescription& effect : extended) {
+    if (same(effect) && before-- == 0) {
+      return &effect;
+    }
+  }
+  return nullptr;
+}
+
+/// What stands in a declared effect's place.
+const EffectFinding* replacementOf(const Diagnosis& diagnosis, const app::EffectDescription& declared) {
+  const auto found =
+      std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
+        return effect.joint == declared.joint && std::find(effect.replaces.begin(), effect.replaces.end(),
+                                                           declared.kind) != effect.replaces.end();
+      });
+  return found == diagnosis.effects.end() ? nullptr : &*found;
+}
+
+void addDeclared(const Diagnosis& diagnosis, const app::ModelDescription& given, std::size_t index,
+                 double tolerance, std::vector<Runaway>& all) {
+  const app::EffectDescription& declared = given.effects[index];
+  const std::string what = label(declared.kind, declared.joint);
+  const EffectFinding* replacement = replacementOf(diagnosis, declared);
+  const app::EffectDescription* kept = stillIn(diagnosis.extended.effects, given.effects, index);
+  if (replacement != nullptr || kept == nullptr) {
+    all.push_back(
+        {.what = what,
+         .nominal = kNone,
+         .refitted = kNone,
+         .limit = kNone,
+         .words = "the declared " + effectWords(what) + " vanished" +
+                  (replacement == nullptr ? "" : ": " + effectWords(*replacement) + " takes its place")});
+    return;
+  }
+  const auto& parameters = model::findEffect(declared.kind)->parameters;
+  for (std::size_t p = 0; p < declared.parameters.size(); ++p) {
+    const double before = declared.parameters[p];
+    const double after = kept->parameters[p];
+    const ParameterName name = splitName(parameters[p].name, unitsOf(diagnosis));
+    const bool nothing_left = std::abs(after) < kNothingLeft * std::abs(before);
+    if (nothing_left || std::abs(after - before) > kWithinTolerance * tolerance * std::abs(before)) {
+      all.push_back({.what = what + " " + std::string(parameters[p].name),
+                     .nominal = before,
+                     .refitted = after,
+                     .limit = kWithinTolerance * tolerance,
+                     .words = fmt::format("the declared {}: {} {} from {} to {}", effectWords(what),
+                                          name.words, nothing_left ? "vanished" : "went",
+                                          withUnit(before, ""), withUnit(after, name.unit)) +
+                              (nothing_left ? ""
+                                            : fmt::format(" ({:+.0f} %), beyond its tolerance of {:.0f} %",
+                                                          kPercent * (after / before - 1.0),
+                                                          kPercent * kWithinTolerance * tolerance))});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDescription& given,
+                                const FitOptions& tolerances) {
+  std::vector<Runaway> all;
+  addErrors("of the model as given", diagnosis.before, all);
+  if (diagnosis.after.train_rms_Nm != diagnosis.before.train_rms_Nm) {
+    addErrors("with what was found", diagnosis.after, all);
+  }
+  const Units units = unitsOf(diagnosis);
+  for (const EffectFinding& effect : diagnosis.effects) {
+    for (const ParameterEstimate& estimate : effect.parameters) {
+      addEstimate(effect, estimate, units, all);
+    }
+  }
+  for (const RefittedParameter& parameter : diagnosis.nominal) {
+    addNominal(parameter, tolerances.nominal_tolerance, units, all);
+  }
+  for (std::size_t i = 0; i < given.effects.size(); ++i) {
+    addDeclared(diagnosis, given, i, tolerances.declared_tolerance, all);
+  }
+  return all;
+}
+
+}  // namespace patella::diagnose

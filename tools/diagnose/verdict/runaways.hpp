@@ -1,0 +1,23 @@
+// Numbers of a diagnosis that a reader has to look at twice.
+#pragma once
+
+#include <vector>
+
+#include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
+
+namespace patella::diagnose {
+
+/// Standard deviations by which a parameter may move within its tolerance.
+inline constexpr double kWithinTolerance = 2.0;
+/// Error over torque from which on the drives rested, so that there is nothing to compare.
+inline constexpr double kNoTorque = 1e4;
+
+/// In this order: errors that are larger than the torque, parameters of effects that were found at a bound
+/// of their range or with an interval that holds zero or the whole range, mechanism parameters beyond their
+/// tolerance, and declared effects of `given` that changed beyond theirs or vanished. Tolerances are standard
+/// deviations, relative.
+std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDescription& given,
+                                const FitOptions& tolerances);
+
+}  // namespace patella::diagnose
