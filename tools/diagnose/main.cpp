@@ -22,6 +22,7 @@
 #include "tools/diagnose/output/answer.hpp"
 #include "tools/diagnose/output/diagnosis_json.hpp"
 #include "tools/diagnose/output/diagnosis_report.hpp"
+#include "tools/diagnose/output/effects_document.hpp"
 #include "tools/diagnose/regression/excerpts.hpp"
 #include "tools/diagnose/regression/judgement_limits.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
@@ -51,6 +52,14 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
+  app.add_flag_callback(
+         "--list-effects",
+         [] {
+           std::cout << effectsDocument();
+           throw CLI::Success();
+         },
+         "print the library of effects, as Markdown")
+      ->trigger_on_parse();
   app.add_option("--model", a.model, "model file that lacks something")->required();
   app.add_option(
          "--data", a.data,

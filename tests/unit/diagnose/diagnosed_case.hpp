@@ -12,7 +12,9 @@ namespace patella::bench {
 
 inline diagnose::Diagnosis diagnosed(const Case& drawn) {
   const std::array recordings{drawn.run.recording};
-  return diagnose::diagnose(recordings, {}, drawn.nominal, {});
+  diagnose::DiagnoseOptions options;
+  options.person_Nm.assign(drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.begin() + drawn.nominal.joints());
+  return diagnose::diagnose(recordings, {}, drawn.nominal, options);
 }
 
 inline Case multisine(std::uint64_t seed, Suite suite) {

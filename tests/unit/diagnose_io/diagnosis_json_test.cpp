@@ -22,7 +22,7 @@ TEST_CASE("every key is there, in the promised order") {
   for (const auto& [key, value] : out.items()) {
     keys.push_back(key);
   }
-  CHECK(keys == std::vector<std::string>{"verdict", "explanation", "effects", "error", "rest",
+  CHECK(keys == std::vector<std::string>{"verdict", "explanation", "doubts", "effects", "error", "rest",
                                          "simulation_error", "excitation", "unexplained",
                                          "nominal_parameters", "correlations", "runaways", "drive_timing",
                                          "steps", "warnings", "seed", "inputs", "versions"});

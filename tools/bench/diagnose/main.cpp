@@ -78,10 +78,12 @@ Suite suiteOf(const std::string& name, std::size_t index) {
   return Suite::kUnknown;
 }
 
-constexpr std::array kGates{
-    std::pair{"share", &diagnose::Gates::share}, std::pair{"chance", &diagnose::Gates::chance},
-    std::pair{"cross-validation", &diagnose::Gates::cross_validation},
-    std::pair{"stability", &diagnose::Gates::stability}, std::pair{"held-out", &diagnose::Gates::heldout}};
+constexpr std::array kGates{std::pair{"share", &diagnose::Gates::share},
+                            std::pair{"chance", &diagnose::Gates::chance},
+                            std::pair{"cross-validation", &diagnose::Gates::cross_validation},
+                            std::pair{"stability", &diagnose::Gates::stability},
+                            std::pair{"held-out", &diagnose::Gates::heldout},
+                            std::pair{"rest", &diagnose::Gates::rest}};
 
 diagnose::Gates gatesWithout(const std::vector<std::string>& names) {
   diagnose::Gates gates;
@@ -253,7 +255,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--out", options.out, "folder for results.csv, which grows with the cases, and pictures");
   app.add_option("--without", options.without, "gates of the decision to leave open")
       ->delimiter(',')
-      ->check(CLI::IsMember({"share", "chance", "cross-validation", "stability", "held-out"}));
+      ->check(CLI::IsMember({"share", "chance", "cross-validation", "stability", "held-out", "rest"}));
   app.add_option("--replicates", options.replicates, "of the bootstrap")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -1,13 +1,12 @@
 #include "tools/diagnose/effects/recipe.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/effects/recipe_parts.hpp"
 
 namespace patella::diagnose {
@@ -60,19 +59,6 @@ std::shared_ptr<const Recipe> finished(Recipe recipe) {
   return std::make_shared<const Recipe>(std::move(recipe));
 }
 
-// What a leg's muscles and tissue do is looked for where there is a leg. A hand on a linear axis trembles,
-// too.
-bool belongsToPatient(std::string_view kind) {
-  constexpr std::array kKinds{"passive_knee_moment", "spasticity"};
-  return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
-}
-
-// At rest only what depends on position alone can show.
-bool showsAtRest(std::string_view kind) {
-  constexpr std::array kKinds{"linear_stiffness", "passive_knee_moment", "torque_bias", "payload"};
-  return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
-}
-
 }  // namespace
 
 std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
@@ -85,15 +71,11 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const mo
     Motion motion = motionOf(data, mechanism, joint);
     motion.smoothing_rad_s = smoothing_rad_s[static_cast<std::size_t>(joint)];
     for (const std::string& kind : kinds) {
-      // The knee is the last joint, whether the hip is one or not.
-      if (kind == "passive_knee_moment" && joint + 1 != data.joints()) {
-        continue;
-      }
-      if ((leg || !belongsToPatient(kind)) &&
-          (data.isStatic() ? showsAtRest(kind) : motion.velocity_rms > kAtRest)) {
-        addFriction(kind, motion, all);
-        addMachine(kind, motion, all);
-        addPatient(kind, motion, channels, all);
+      const EffectHome& home = effectHome(kind);
+      const bool somewhere_else = home.of_knee && joint + 1 != data.joints();
+      const bool shown = data.isStatic() ? home.at_rest : motion.velocity_rms > kAtRest;
+      if (!somewhere_else && (leg || !home.of_patient) && shown) {
+        home.add(motion, channels, all);
       }
     }
   }
@@ -110,30 +92,26 @@ std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s) {
   return finished(std::move(recipe));
 }
 
-std::string_view betrayingVariable(std::string_view kind) noexcept {
-  static const std::map<std::string_view, std::string_view> known{
-      {"linear_stiffness", "q"},
-      {"passive_knee_moment", "q"},
-      {"payload", "q"},
-      {"torque_ripple", "q"},
-      {"encoder_offset", "q"},
-      {"rotor_inertia", "ddq"},
-      {"torque_gain", "tau"},
-      {"actuator_lag", "tau"},
-      {"actuator_delay", "tau"},
-      {"load_dependent_friction", "tau"},
-      {"transmission_elasticity", "tau"},
-      {"backlash", "tau"},
-      {"tremor", "time"},
-      {"thermal_drift", "time"},
-      {"torque_bias", "time"},
-      {"emg_torque", "activation"},
-  };
-  const auto found = known.find(kind);
-  return found == known.end() ? "dq" : found->second;
+std::string_view betrayingVariable(std::string_view kind) {
+  switch (effectHome(kind).shows) {
+    case Shows::kPosition:
+      return "q";
+    case Shows::kVelocity:
+      return "dq";
+    case Shows::kAcceleration:
+      return "ddq";
+    case Shows::kTorque:
+    case Shows::kTorqueRate:
+      return "tau";
+    case Shows::kTime:
+      return "time";
+    case Shows::kActivation:
+      return "activation";
+  }
+  return "";
 }
 
-bool isOfPosition(std::string_view kind) noexcept {
+bool isOfPosition(std::string_view kind) {
   return betrayingVariable(kind) == "q" || kind == "torque_bias";
 }
 

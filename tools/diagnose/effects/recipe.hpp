@@ -80,9 +80,9 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const mo
 std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s);
 
 /// The variable on which an effect shows: "q", "dq", "ddq", "tau", "time" or "activation".
-std::string_view betrayingVariable(std::string_view kind) noexcept;
+std::string_view betrayingVariable(std::string_view kind);
 
 /// Whether an effect may be part of a function of the position, to which a constant belongs, too.
-bool isOfPosition(std::string_view kind) noexcept;
+bool isOfPosition(std::string_view kind);
 
 }  // namespace patella::diagnose

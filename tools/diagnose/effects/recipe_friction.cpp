@@ -72,23 +72,61 @@ Recipe preslidingHysteresis(const Motion& motion) {
 
 }  // namespace
 
-void addFriction(std::string_view kind, const Motion& motion, std::vector<Recipe>& all) {
-  const double smoothing = motion.smoothing_rad_s;
-  if (kind == "viscous_friction") {
-    all.push_back(single("viscous_friction", motion, "coefficient_Nms_rad", true));
-  } else if (kind == "coulomb_friction") {
-    all.push_back(single("coulomb_friction", motion, "level_Nm", true, smoothing));
-    all.push_back(gradualFriction(motion, smoothing));
-  } else if (kind == "asymmetric_friction") {
-    all.push_back(asymmetricFriction(motion, smoothing, false));
-    all.push_back(asymmetricFriction(motion, smoothing, true));
-  } else if (kind == "stribeck_friction") {
-    all.push_back(stribeckFriction(motion, smoothing));
-  } else if (kind == "load_dependent_friction") {
-    all.push_back(single("load_dependent_friction", motion, "coefficient", true, smoothing));
-  } else if (kind == "presliding_hysteresis") {
-    all.push_back(preslidingHysteresis(motion));
-  }
+std::vector<EffectHome> frictionEffects() {
+  return {
+      {.kind = "viscous_friction",
+       .what = "Drag in proportion to speed: oil, grease, eddy currents.",
+       .shows = Shows::kVelocity,
+       .strengths = {{"coefficient_Nms_rad"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(single("viscous_friction", motion, "coefficient_Nms_rad", true));
+           }},
+      {.kind = "coulomb_friction",
+       .what = "Dry friction of one level in both directions.",
+       .shows = Shows::kVelocity,
+       .strengths = {{"level_Nm"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(single("coulomb_friction", motion, "level_Nm", true, motion.smoothing_rad_s));
+             all.push_back(gradualFriction(motion, motion.smoothing_rad_s));
+           }},
+      {.kind = "asymmetric_friction",
+       .what = "Dry and viscous friction that differ between the directions.",
+       .shows = Shows::kVelocity,
+       .strengths = {{"level_positive_Nm"},
+                     {"level_negative_Nm"},
+                     {"viscous_positive_Nms_rad"},
+                     {"viscous_negative_Nms_rad"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(asymmetricFriction(motion, motion.smoothing_rad_s, false));
+             all.push_back(asymmetricFriction(motion, motion.smoothing_rad_s, true));
+           }},
+      {.kind = "stribeck_friction",
+       .what = "Dry friction with a peak at rest, which falls with speed.",
+       .shows = Shows::kVelocity,
+       .strengths = {{"level_Nm"}, {"stribeck_level_Nm"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(stribeckFriction(motion, motion.smoothing_rad_s));
+           }},
+      {.kind = "load_dependent_friction",
+       .what = "Friction in proportion to the torque that a gear transmits.",
+       .shows = Shows::kTorque,
+       .strengths = {{"coefficient"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(
+                 single("load_dependent_friction", motion, "coefficient", true, motion.smoothing_rad_s));
+           }},
+      {.kind = "presliding_hysteresis",
+       .what = "A contact that yields like a spring before it slides.",
+       .shows = Shows::kVelocity,
+       .strengths = {{"level_Nm", "stiffness_Nm_rad"}},
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(preslidingHysteresis(motion)); }},
+  };
 }
 
 }  // namespace patella::diagnose

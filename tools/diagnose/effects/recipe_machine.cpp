@@ -179,32 +179,90 @@ Recipe torqueGain(const Motion& motion) {
 
 }  // namespace
 
-void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>& all) {
-  if (kind == "payload") {
-    all.push_back(payload(motion));
-  } else if (kind == "rotor_inertia") {
-    all.push_back(single("rotor_inertia", motion, "inertia_kg_m2", true));
-  } else if (kind == "transmission_elasticity") {
-    all.push_back(transmissionElasticity(motion));
-  } else if (kind == "backlash") {
-    all.push_back(backlash(motion));
-  } else if (kind == "torque_ripple" && rippleFits(motion)) {
-    all.push_back(torqueRipple(motion));
-  } else if (kind == "torque_gain") {
-    all.push_back(torqueGain(motion));
-  } else if (kind == "torque_bias") {
-    all.push_back(single("torque_bias", motion, "bias_Nm", false));
-  } else if (kind == "actuator_lag") {
-    all.push_back(timing("actuator_lag", motion, "time_constant_s", kLatest_s));
-  } else if (kind == "actuator_delay") {
-    all.push_back(timing("actuator_delay", motion, "delay_s", kLatest_s));
-  } else if (kind == "encoder_offset") {
-    all.push_back(encoderOffset(motion));
-  } else if (kind == "thermal_drift" && motion.duration_s > 0.0) {
-    for (const char* what : {"offset_Nm", "friction_Nm", "viscous_Nms_rad"}) {
-      all.push_back(thermalDrift(motion, what, motion.smoothing_rad_s));
-    }
-  }
+std::vector<EffectHome> machineEffects() {
+  return {
+      {.kind = "payload",
+       .what = "A mass that is carried along, at a distance from the joint.",
+       .shows = Shows::kPosition,
+       .strengths = {{"mass_kg"}},
+       .at_rest = true,
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(payload(motion)); }},
+      {.kind = "rotor_inertia",
+       .what = "Inertia of a motor, through its gear.",
+       .shows = Shows::kAcceleration,
+       .strengths = {{"inertia_kg_m2"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(single("rotor_inertia", motion, "inertia_kg_m2", true));
+           }},
+      {.kind = "transmission_elasticity",
+       .what = "A motor behind a spring: belts, harmonic drives, series elastic drives.",
+       .shows = Shows::kTorqueRate,
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(transmissionElasticity(motion)); }},
+      {.kind = "backlash",
+       .what = "Play in a gear: the motor crosses a gap where the torque changes sign.",
+       .shows = Shows::kTorque,
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(backlash(motion)); }},
+      {.kind = "torque_ripple",
+       .what = "Torque that goes with the position of a motor or gear: cogging, teeth.",
+       .shows = Shows::kPosition,
+       .strengths = {{"amplitude_Nm"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             if (rippleFits(motion)) {
+               all.push_back(torqueRipple(motion));
+             }
+           }},
+      {.kind = "torque_gain",
+       .what = "A drive that gives more or less than it was told.",
+       .shows = Shows::kTorque,
+       .strengths = {{"gain_error"}},
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(torqueGain(motion)); }},
+      {.kind = "torque_bias",
+       .what = "A constant torque: the zero of a current sensor, a counterweight.",
+       .shows = Shows::kTime,
+       .strengths = {{"bias_Nm"}},
+       .at_rest = true,
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(single("torque_bias", motion, "bias_Nm", false));
+           }},
+      {.kind = "actuator_lag",
+       .what = "A drive that follows its command like a low-pass of first order.",
+       .shows = Shows::kTorqueRate,
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(timing("actuator_lag", motion, "time_constant_s", kLatest_s));
+           }},
+      {.kind = "actuator_delay",
+       .what = "A drive that acts late by a fixed time.",
+       .shows = Shows::kTorqueRate,
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(timing("actuator_delay", motion, "delay_s", kLatest_s));
+           }},
+      {.kind = "encoder_offset",
+       .what = "A zero of the encoder that is not where the model has it.",
+       .shows = Shows::kPosition,
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(encoderOffset(motion)); }},
+      {.kind = "thermal_drift",
+       .what = "Bias or friction that changes as the machine warms up.",
+       .shows = Shows::kTime,
+       .strengths = {{"offset_Nm"}, {"friction_Nm"}, {"viscous_Nms_rad"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             if (motion.duration_s > 0.0) {
+               for (const char* what : {"offset_Nm", "friction_Nm", "viscous_Nms_rad"}) {
+                 all.push_back(thermalDrift(motion, what, motion.smoothing_rad_s));
+               }
+             }
+           }},
+  };
 }
 
 }  // namespace patella::diagnose

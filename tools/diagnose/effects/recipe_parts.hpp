@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/model/effect.hpp"
+#include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/effects/recipe.hpp"
 
 namespace patella::diagnose {
@@ -58,10 +59,9 @@ Recipe single(const char* kind, const Motion& motion, const char* strength, bool
 Recipe oscillation(const char* kind, const Motion& motion, const char* frequency,
                    std::vector<double> frequencies);
 
-/// Appends the recipes of a kind; nothing where it is not of this sort, or the motion could not show it.
-void addFriction(std::string_view kind, const Motion& motion, std::vector<Recipe>& all);
-void addMachine(std::string_view kind, const Motion& motion, std::vector<Recipe>& all);
-void addPatient(std::string_view kind, const Motion& motion, std::span<const int> channels,
-                std::vector<Recipe>& all);
+/// Homes of the effects, by where they are.
+std::vector<EffectHome> frictionEffects();
+std::vector<EffectHome> machineEffects();
+std::vector<EffectHome> patientEffects();
 
 }  // namespace patella::diagnose

@@ -130,22 +130,54 @@ Recipe passiveKneeMoment(const Motion& motion) {
 
 }  // namespace
 
-void addPatient(std::string_view kind, const Motion& motion, std::span<const int> channels,
-                std::vector<Recipe>& all) {
-  if (kind == "linear_stiffness") {
-    all.push_back(linearStiffness(motion));
-  } else if (kind == "passive_knee_moment") {
-    all.push_back(passiveKneeMoment(motion));
-  } else if (kind == "tremor" && motion.duration_s > 0.0 && fastestTremor_Hz(motion) > kSlowestTremor_Hz) {
-    all.push_back(tremor(motion));
-  } else if (kind == "spasticity") {
-    all.push_back(spasticity(motion, 1.0));
-    all.push_back(spasticity(motion, -1.0));
-  } else if (kind == "emg_torque") {
-    for (const int channel : channels) {
-      all.push_back(emgTorque(motion, channel));
-    }
-  }
+std::vector<EffectHome> patientEffects() {
+  return {
+      {.kind = "linear_stiffness",
+       .what = "A spring about a rest position: tissue, a cable, an elastic strap.",
+       .shows = Shows::kPosition,
+       .strengths = {{"stiffness_Nm_rad"}},
+       .at_rest = true,
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(linearStiffness(motion)); }},
+      {.kind = "passive_knee_moment",
+       .what = "Ligaments and muscles that stiffen towards the ends of the range.",
+       .shows = Shows::kPosition,
+       .at_rest = true,
+       .of_patient = true,
+       .of_knee = true,
+       .add = [](const Motion& motion, std::span<const int>,
+                 std::vector<Recipe>& all) { all.push_back(passiveKneeMoment(motion)); }},
+      {.kind = "tremor",
+       .what = "A trembling of 3 to 12 Hz.",
+       .shows = Shows::kTime,
+       .strengths = {{"amplitude_Nm"}},
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             if (motion.duration_s > 0.0 && fastestTremor_Hz(motion) > kSlowestTremor_Hz) {
+               all.push_back(tremor(motion));
+             }
+           }},
+      {.kind = "spasticity",
+       .what = "A reflex that resists stretch beyond a speed, after a delay.",
+       .shows = Shows::kVelocity,
+       .strengths = {{"gain_Nms_rad"}},
+       .of_patient = true,
+       .add =
+           [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
+             all.push_back(spasticity(motion, 1.0));
+             all.push_back(spasticity(motion, -1.0));
+           }},
+      {.kind = "emg_torque",
+       .what = "Torque of a muscle in proportion to its EMG activation, after a delay.",
+       .shows = Shows::kActivation,
+       .strengths = {{"gain_Nm"}},
+       .add =
+           [](const Motion& motion, std::span<const int> channels, std::vector<Recipe>& all) {
+             for (const int channel : channels) {
+               all.push_back(emgTorque(motion, channel));
+             }
+           }},
+  };
 }
 
 }  // namespace patella::diagnose

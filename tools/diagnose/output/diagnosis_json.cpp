@@ -106,6 +106,9 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
   Json out;
   out["verdict"] = verdictName(diagnosis.verdict);
   out["explanation"] = diagnosis.explanation;
+  out["doubts"] = list(diagnosis.doubts, [](const Doubt& doubt) -> Json {
+    return {{"kind", doubtName(doubt.kind)}, {"words", doubt.words}};
+  });
   out["effects"] = list(diagnosis.effects, describeEffect);
   out["error"] = {{"before", describeError(diagnosis.before)},
                   {"refitted", describeError(diagnosis.refitted)},

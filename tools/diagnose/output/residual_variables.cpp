@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/model/effect.hpp"
+#include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/output/residual_analysis.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 
@@ -19,31 +20,6 @@ constexpr double kPause_s = 0.5;
 
 const JointCurves& curvesOf(const Diagnosis& diagnosis, int joint) {
   return diagnosis.curves[static_cast<std::size_t>(joint)];
-}
-
-/// In which of the variables an effect of this kind shows.
-Variable::Kind kindOf(std::string_view effect) {
-  using Kind = Variable::Kind;
-  static constexpr std::array<std::pair<std::string_view, Kind>, 15> kKinds{{
-      {"linear_stiffness", Kind::kPosition},
-      {"passive_knee_moment", Kind::kPosition},
-      {"torque_ripple", Kind::kPosition},
-      {"encoder_offset", Kind::kPosition},
-      {"payload", Kind::kPosition},
-      {"rotor_inertia", Kind::kAcceleration},
-      {"torque_gain", Kind::kTorque},
-      {"transmission_elasticity", Kind::kTorqueRate},
-      {"backlash", Kind::kTorque},
-      {"actuator_lag", Kind::kTorqueRate},
-      {"actuator_delay", Kind::kTorqueRate},
-      {"load_dependent_friction", Kind::kVelocity},
-      {"tremor", Kind::kTime},
-      {"thermal_drift", Kind::kTime},
-      {"emg_torque", Kind::kActivation},
-  }};
-  const auto* found =
-      std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& k) { return k.first == effect; });
-  return found == kKinds.end() ? Kind::kVelocity : found->second;
 }
 
 /// The effect in the extended model, or nullptr. What was found stands behind what was declared.
@@ -108,7 +84,7 @@ bool isAtRest(const Diagnosis& diagnosis) {
 }
 
 Variable betrayedBy(const Diagnosis& diagnosis, const EffectFinding& finding) {
-  Variable variable{.kind = kindOf(finding.kind), .index = finding.joint};
+  Variable variable{.kind = effectHome(finding.kind).shows, .index = finding.joint};
   if (variable.kind == Variable::Kind::kTime) {
     variable.index = 0;
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
 #include "tools/recordings/recording.hpp"
 
@@ -24,7 +25,7 @@ Layout layoutOf(const JointCurves& curves, double rate_Hz);
 bool isAtRest(const Diagnosis& diagnosis);
 
 struct Variable {
-  enum class Kind { kPosition, kVelocity, kAcceleration, kTorque, kTorqueRate, kTime, kActivation };
+  using Kind = Shows;
   Kind kind = Kind::kVelocity;
   int index = 0;  ///< joint or EMG channel
   auto operator<=>(const Variable&) const = default;

@@ -45,8 +45,12 @@ Samples actingTorque(Samples torque, TorqueTiming timing) {
 }
 
 Series restingSeries(const Recording& recording, const Segment& segment) {
-  Series series{
-      .rate_Hz = 1.0, .states = {}, .acceleration = {}, .asked_acceleration = {}, .asked_torque_Nm = {}};
+  Series series{.rate_Hz = 1.0,
+                .states = {},
+                .acceleration = {},
+                .predicted_torque_Nm = {},
+                .asked_acceleration = {},
+                .asked_torque_Nm = {}};
   for (std::size_t i = segment.first; i < segment.end; ++i) {
     model::EffectInput state;
     state.time_s = recording.time_s[i];
@@ -61,6 +65,7 @@ Series restingSeries(const Recording& recording, const Segment& segment) {
     series.states.push_back(state);
     series.acceleration.emplace_back(JointVector::Zero(recording.joints));
     series.asked_acceleration.emplace_back(JointVector::Zero(recording.joints));
+    series.predicted_torque_Nm.push_back(state.torque_Nm);
     series.asked_torque_Nm.emplace_back(JointVector::Zero(recording.joints));
   }
   return series;
@@ -76,6 +81,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
   Series series{.rate_Hz = rate / static_cast<double>(step),
                 .states = {},
                 .acceleration = {},
+                .predicted_torque_Nm = {},
                 .asked_acceleration = {},
                 .asked_torque_Nm = {}};
   std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque, asked;
@@ -129,9 +135,23 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
     series.states.push_back(state);
     series.acceleration.push_back(acceleration);
     series.asked_acceleration.push_back(asked_acceleration);
+    series.predicted_torque_Nm.push_back(state.torque_Nm);
     series.asked_torque_Nm.push_back(asked_torque_Nm);
   }
   return series;
+}
+
+// A state that has this torque in place of the measured one.
+model::EffectInput withTorque(const Series& series, std::size_t i, const JointVector& torque_Nm) {
+  model::EffectInput input = series.states[i];
+  input.torque_Nm = torque_Nm;
+  return input;
+}
+
+// What an effect is driven by.
+model::EffectInput inputOf(const model::Effect& effect, const Series& series, std::size_t i) {
+  return effect.descriptor().of_drive ? series.states[i]
+                                      : withTorque(series, i, series.predicted_torque_Nm[i]);
 }
 
 // Frequency below which 99 % of the power of a velocity lies, as far as a coarse list tells.
@@ -287,36 +307,45 @@ Column Dataset::column(const std::function<void(const Series&)>& start,
   return result;
 }
 
+void Dataset::setPredictedTorque(const std::function<JointVector(const Series&, std::size_t)>& torque_Nm) {
+  for (Series& series : series_) {
+    for (std::size_t i = 0; i < series.states.size(); ++i) {
+      series.predicted_torque_Nm[i] = torque_Nm(series, i);
+    }
+  }
+}
+
 Column Dataset::driveTorque() const {
   return column({}, [](const Series& series, std::size_t i) { return series.states[i].torque_Nm; });
 }
 
 Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
-  return column([&](const Series& series) { dynamics.reset(series.states.front()); },
-                [&](const Series& series, std::size_t i) {
-                  if (i > 0) {
-                    dynamics.advance(series.states[i], 1.0 / series.rate_Hz);
-                  }
-                  return dynamics.inverseDynamics(series.states[i], series.acceleration[i]);
-                });
+  Column sum = column({}, [&](const Series& series, std::size_t i) -> JointVector {
+    const model::Mechanism& body = dynamics.mechanism();
+    const model::EffectInput& state = series.states[i];
+    return body.inertia(state.q) * series.acceleration[i] + body.coriolis(state.q, state.dq) * state.dq +
+           body.gravity(state.q);
+  });
+  for (const auto& effect : dynamics.effects()) {
+    sum += effectTorque(*effect);
+  }
+  return sum;
 }
 
 Column Dataset::effectTorque(model::Effect& effect) const {
-  return column([&](const Series& series) { effect.reset(series.states.front()); },
+  return column([&](const Series& series) { effect.reset(inputOf(effect, series, 0)); },
                 [&](const Series& series, std::size_t i) -> JointVector {
+                  const model::EffectInput input = inputOf(effect, series, i);
                   if (i > 0) {
-                    effect.advance(series.states[i], 1.0 / series.rate_Hz);
+                    effect.advance(input, 1.0 / series.rate_Hz);
                   }
-                  return effect.inertia(series.states[i].q) * series.acceleration[i] -
-                         effect.torque(series.states[i]);
+                  return effect.inertia(input.q) * series.acceleration[i] - effect.torque(input);
                 });
 }
 
 Column Dataset::askedEffectTorque(model::Effect& effect) const {
   const auto asked = [](const Series& series, std::size_t i) {
-    model::EffectInput input = series.states[i];
-    input.torque_Nm = series.asked_torque_Nm[i];
-    return input;
+    return withTorque(series, i, series.asked_torque_Nm[i]);
   };
   return column([&](const Series& series) { effect.reset(asked(series, 0)); },
                 [&](const Series& series, std::size_t i) -> JointVector {

@@ -36,8 +36,11 @@ double motionBand_Hz(std::span<const Recording> recordings);
 /// One stretch without a gap, at the evaluation rate.
 struct Series {
   double rate_Hz = 0.0;
-  std::vector<model::EffectInput> states;  ///< smoothed; torque is what acted at the instant
+  std::vector<model::EffectInput> states;  ///< smoothed; torque is what was measured to act at the instant
   std::vector<JointVector> acceleration;   ///< rad/s²
+  /// What drives friction and gains that depend on torque: that which a model asks of the drives for this
+  /// motion, once one has been set; the measured one before.
+  std::vector<JointVector> predicted_torque_Nm;
   /// A person's push moves the leg and is answered by the controller, so that motion and torque go with what
   /// no model explains. The sinusoids in them do not: they are what was asked for. Of the acceleration,
   /// rad/s², as a variable on which a residual may depend, and of the torque. Without `asked_part` the
@@ -74,7 +77,14 @@ class Dataset {
   Column column(const std::function<void(const Series&)>& start,
                 const std::function<JointVector(const Series&, std::size_t)>& torque) const;
 
-  /// Torque of the drives.
+  /// Predicts the torque on which friction and gains depend from the motion. Were it the measured one, an
+  /// effect in proportion to it would explain whatever was measured. Effects of the drive
+  /// (EffectDescriptor::of_drive) take the measured torque all the same: it is what goes into the drive, what
+  /// comes out of it is filtered, and the motion holds a person's pushes, which do not pass through the
+  /// drive.
+  void setPredictedTorque(const std::function<JointVector(const Series&, std::size_t)>& torque_Nm);
+
+  /// Torque of the drives, as measured.
   Column driveTorque() const;
   /// Torque that a model needs for the recorded motion.
   Column modelTorque(model::DynamicsModel& dynamics) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace patella::diagnose {
 namespace {
@@ -18,24 +17,37 @@ double jointRms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& co
                    static_cast<double>(data.rows()));
 }
 
+std::vector<ElementaryEffect> elementaryEffects(const Dataset& data) {
+  std::vector<ElementaryEffect> all;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const Eigen::VectorXd velocity =
+        data.variable([joint](const Series& s, std::size_t i) { return s.states[i].dq[joint]; });
+    const double rms_rad_s = std::sqrt(velocity.squaredNorm() / static_cast<double>(velocity.size()));
+    const double soft = std::max(kSoftest_rad_s, kSoft * rms_rad_s);
+    all.push_back({.kind = "viscous_friction", .joint = joint, .torque_Nm = [joint](const auto& state) {
+                     return state.dq[joint];
+                   }});
+    all.push_back({.kind = "coulomb_friction", .joint = joint, .torque_Nm = [joint, soft](const auto& state) {
+                     return std::tanh(state.dq[joint] / soft);
+                   }});
+    all.push_back({.kind = "linear_stiffness", .joint = joint, .torque_Nm = [joint](const auto& state) {
+                     return state.q[joint];
+                   }});
+    all.push_back({.kind = "torque_bias", .joint = joint, .torque_Nm = [](const auto&) { return 1.0; }});
+  }
+  return all;
+}
+
 std::vector<ElementaryColumn> elementaryColumns(const Dataset& data) {
   std::vector<ElementaryColumn> all;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const auto add = [&](std::string_view kind,
-                         const std::function<double(const model::EffectInput&)>& torque) {
-      all.push_back(
-          {.kind = kind, .joint = joint, .torque = data.column({}, [&](const Series& s, std::size_t i) {
-             JointVector value = JointVector::Zero(data.joints());
-             value[joint] = torque(s.states[i]);
-             return value;
-           })});
-    };
-    add("viscous_friction", [=](const model::EffectInput& state) { return state.dq[joint]; });
-    const double soft = std::max(kSoftest_rad_s, kSoft * jointRms(data, all.back().torque, joint));
-    add("coulomb_friction",
-        [=](const model::EffectInput& state) { return std::tanh(state.dq[joint] / soft); });
-    add("linear_stiffness", [=](const model::EffectInput& state) { return state.q[joint]; });
-    add("torque_bias", [](const model::EffectInput&) { return 1.0; });
+  for (const ElementaryEffect& effect : elementaryEffects(data)) {
+    all.push_back({.kind = effect.kind,
+                   .joint = effect.joint,
+                   .torque = data.column({}, [&](const Series& s, std::size_t i) {
+                     JointVector value = JointVector::Zero(data.joints());
+                     value[effect.joint] = effect.torque_Nm(s.states[i]);
+                     return value;
+                   })});
   }
   return all;
 }

@@ -2,6 +2,7 @@
 // something.
 #pragma once
 
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -9,13 +10,23 @@
 
 namespace patella::diagnose {
 
-struct ElementaryColumn {
+struct ElementaryEffect {
   std::string_view kind;  ///< "viscous_friction", "coulomb_friction", "linear_stiffness" or "torque_bias"
   int joint = 0;
-  Column torque;  ///< that the drive needs for one unit of it; of a torque_bias that of the opposite sign
+  /// That the drive needs for one unit of it, N·m; of a torque_bias that of the opposite sign.
+  std::function<double(const model::EffectInput&)> torque_Nm;
 };
 
-/// Four for each joint, joint by joint in that order. A recording at rest has zeros for the frictions.
+/// Four for each joint, joint by joint in that order, scaled to how fast the joint moves.
+std::vector<ElementaryEffect> elementaryEffects(const Dataset& data);
+
+struct ElementaryColumn {
+  std::string_view kind;
+  int joint = 0;
+  Column torque;  ///< that the drive needs for one unit of it
+};
+
+/// The same effects as Columns. A recording at rest has zeros for the frictions.
 std::vector<ElementaryColumn> elementaryColumns(const Dataset& data);
 
 /// One joint's part of a column, root mean square.

@@ -21,6 +21,30 @@ enum class Verdict {
 /// "effect_found" …
 std::string_view verdictName(Verdict verdict) noexcept;
 
+/// What stands against an answer.
+struct Doubt {
+  /// In the order in which they count: the first that applies to an answer decides (verdict/verdict.hpp).
+  enum class Kind {
+    kTooPoor,             ///< the recordings tell nothing, whatever is looked for
+    kHeldOutDiffers,      ///< something else happens in the held-out part
+    kHeldOutWorse,        ///< what explains the fitted part makes the error of the held-out part larger
+    kRestingTorque,       ///< encoder and torque of a joint at rest contradict each other
+    kRecordingsDisagree,  ///< recordings that were diagnosed together have no common answer
+    kUnexplained,         ///< what is left bends like no effect of the library
+    kSingleSinusoids,     ///< several effects were found under single sinusoids
+    kLargeRest,           ///< more is left than sensors and declared pushes make
+    kJointAtRest,         ///< what is missing on a joint that does not move cannot be told
+    kPlainEffectsUnseen,  ///< plain effects of three times the noise would not show
+  };
+  using enum Kind;
+
+  Kind kind = kTooPoor;
+  std::string words;  ///< one or two sentences for people; empty where `unexplained` has them
+};
+
+/// "too_poor" …
+std::string_view doubtName(Doubt::Kind kind) noexcept;
+
 struct ParameterEstimate {
   std::string name;  ///< with its unit, as in model files
   double value = 0.0;
@@ -144,6 +168,7 @@ struct DriveTiming {
 struct Diagnosis {
   Verdict verdict = Verdict::kNothingMissing;
   std::string explanation;  ///< one or two sentences for people
+  std::vector<Doubt> doubts;
   std::vector<EffectFinding> effects;
   ErrorMeasure before;    ///< the model as given
   ErrorMeasure refitted;  ///< its nominal parameters refitted, nothing added

@@ -56,10 +56,10 @@ void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
   }
   if (any_added) {
     std::erase_if(result.effects, was_added);
-    result.verdict = Verdict::kUnknownEffect;
-    result.explanation =
-        "What explained the first part of the recording makes the error of the held-out part larger; "
-        "the model is left as it was.";
+    result.doubts.push_back(
+        {Doubt::kHeldOutWorse,
+         "What explained the first part of the recording makes the error of the held-out part larger; "
+         "the model is left as it was."});
   } else {
     result.warnings.emplace_back(
         "refitted nominal parameters make the held-out error larger; the model is left as it was");
@@ -87,15 +87,15 @@ void compareParts(Diagnosis& result) {
     const double fitted = result.noise_floor_Nm[joint];
     const double unseen = result.after.heldout_rms_Nm[joint];
     if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
-      result.verdict = Verdict::kUnknownEffect;
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
                                     .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
                                     .p_value = 1.0});
-      result.explanation = fmt::format(
-          "Something else happens in the held-out part: the error of joint {} is {:.1f} times what it was in "
-          "the part that was fitted.",
-          joint + 1, unseen / fitted);
+      result.doubts.push_back(
+          {Doubt::kHeldOutDiffers,
+           fmt::format("Something else happens in the held-out part: the error of joint {} is {:.1f} times "
+                       "what it was in the part that was fitted.",
+                       joint + 1, unseen / fitted)});
       return;
     }
   }

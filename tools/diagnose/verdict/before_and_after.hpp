@@ -18,8 +18,8 @@ struct BeforeAndAfter {
 };
 
 /// Writes errors, noise floor, curves and the extended model into the result. What makes the error of
-/// held-out data larger is taken back; a held-out part with an error out of proportion makes the verdict
-/// unknown.
+/// held-out data larger is taken back; that, and a held-out part with an error out of proportion, are
+/// doubts.
 void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result);
 
 /// The same where nothing was fitted.

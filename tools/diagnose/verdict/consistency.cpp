@@ -13,11 +13,18 @@
 namespace patella::diagnose {
 namespace {
 
+/// What differs between recordings, significantly and by enough to matter: sentences, and dependences on the
+/// variable "recording".
+struct Contradictions {
+  std::vector<std::string> what;
+  std::vector<Dependence> dependences;
+};
+
 constexpr double kDeviations999 = 3.2905;
 constexpr double kMaterialShare = 0.5;
 constexpr double kSignificant = 1e-3;
 /// Of the squared error, what may be left at most where recordings are fitted apart.
-constexpr double kMaterialRest = 0.7;
+constexpr double kSameMachine = 0.7;
 
 // The weighted rows of one recording, zeros elsewhere: an autoregression starts anew in each block.
 Eigen::MatrixXd weightedPart(const Dataset& data, const ModelFit& fit,
@@ -163,7 +170,7 @@ void compareErrors(const Dataset& data, const ModelFit& fit, std::span<const std
     apart.rank += one.rank;
   }
   const Eigen::Index freedom = apart.rank - together.rank;
-  if (freedom <= 0 || apart.rest > kMaterialRest * together.rest) {
+  if (freedom <= 0 || apart.rest > kSameMachine * together.rest) {
     return;
   }
   const double gain = (together.rest - apart.rest) / (fit.prior_scale * fit.prior_scale);
@@ -187,14 +194,23 @@ void compareErrors(const Dataset& data, const ModelFit& fit, std::span<const std
 
 }  // namespace
 
-Contradictions contradictions(const Dataset& data, const ModelFit& fit, std::span<const std::string> names) {
-  Contradictions result;
+void judgeConsistency(const Dataset& data, const ModelFit& fit, std::span<const std::string> names,
+                      Diagnosis& diagnosis) {
   const std::vector<std::size_t> recordings = recordingsOf(data);
-  if (recordings.size() > 1) {
-    compareStrengths(data, fit, names, recordings, result);
-    compareErrors(data, fit, recordings, result);
+  if (recordings.size() < 2) {
+    return;
   }
-  return result;
+  Contradictions found;
+  compareStrengths(data, fit, names, recordings, found);
+  compareErrors(data, fit, recordings, found);
+  if (found.what.empty()) {
+    return;
+  }
+  diagnosis.doubts.push_back(
+      {Doubt::kRecordingsDisagree, "The recordings contradict each other: " + found.what.front() + "."});
+  diagnosis.unexplained.insert(diagnosis.unexplained.begin(), found.dependences.begin(),
+                               found.dependences.end());
+  diagnosis.warnings.insert(diagnosis.warnings.end(), found.what.begin(), found.what.end());
 }
 
 }  // namespace patella::diagnose

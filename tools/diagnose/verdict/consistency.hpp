@@ -11,17 +11,14 @@
 
 namespace patella::diagnose {
 
-/// What differs between recordings, significantly and by enough to matter. Sentences, empty where all agree.
-struct Contradictions {
-  std::vector<std::string> what;
-  std::vector<Dependence> dependences;  ///< on the variable "recording"
-};
-
-/// Two questions to a fit's linearisation, the joints' noise taken as the fit has it. Do the found effects'
-/// strengths, fitted to each recording alone, differ by more than half with disjoint 99.9 % intervals? Does
-/// the error fall by more than 30 % where nominal parameters, friction, stiffness and bias may differ between
-/// recordings (Chow 1960, Econometrica 28(3), here by chi-squared over the noise's redundancy, p < 0.001)?
-/// `names` are those of the recordings in the order of Block::recording.
-Contradictions contradictions(const Dataset& data, const ModelFit& fit, std::span<const std::string> names);
+/// Runs that contradict each other have no common answer: adds what differs to the warnings, to what is not
+/// explained (the variable "recording"), and a doubt. Two questions to a fit's linearisation, the joints'
+/// noise taken as the fit has it. Do the found effects' strengths, fitted to each recording alone, differ by
+/// more than half with disjoint 99.9 % intervals? Does the error fall by more than 30 % where nominal
+/// parameters, friction, stiffness and bias may differ between recordings (Chow 1960, Econometrica 28(3),
+/// here by chi-squared over the noise's redundancy, p < 0.001)? `names` are those of the recordings in the
+/// order of Block::recording.
+void judgeConsistency(const Dataset& data, const ModelFit& fit, std::span<const std::string> names,
+                      Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose

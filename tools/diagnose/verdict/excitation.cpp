@@ -150,11 +150,6 @@ std::string restingJoints(std::span<const JointSignals> signals) {
   return resting.empty() ? resting : resting + " does not move";
 }
 
-void refuse(Diagnosis& diagnosis, std::string explanation) {
-  diagnosis.verdict = Verdict::kInsufficientExcitation;
-  diagnosis.explanation = std::move(explanation);
-}
-
 }  // namespace
 
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
@@ -229,36 +224,36 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
   for (int joint = 0; joint < data.joints(); ++joint) {
     if (!signals[static_cast<std::size_t>(joint)].moves && !data.isStatic() &&
         jointRms(data, fit.residual, joint) > kRestExplained * jointRms(data, torque, joint)) {
-      refuse(
-          diagnosis,
-          fmt::format("Joint {} is at rest by its encoder, but its torque is not what would hold it there; "
-                      "what moves the other joint cannot be told either.",
-                      joint + 1));
+      diagnosis.doubts.push_back(
+          {Doubt::kRestingTorque,
+           fmt::format("Joint {} is at rest by its encoder, but its torque is not what would hold it there; "
+                       "what moves the other joint cannot be told either.",
+                       joint + 1)});
       return;
     }
   }
-  if (diagnosis.verdict == Verdict::kEffectFound && diagnosis.effects.size() > 1 && !data.isStatic() &&
-      singleSinusoids(signals)) {
-    refuse(diagnosis,
-           "Single sinusoids excite the joints, and more than one effect would be needed: other combinations "
-           "explain as much. Add a second frequency.");
+  if (data.isStatic()) {
+    return;
   }
-  if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {
-    if (const std::string resting = restingJoints(signals); !resting.empty()) {
-      refuse(diagnosis, fmt::format("{}: whether anything is missing there cannot be told. Nothing was found "
-                                    "to be missing elsewhere.",
-                                    resting));
-      return;
-    }
+  if (diagnosis.effects.size() > 1 && singleSinusoids(signals)) {
+    diagnosis.doubts.push_back(
+        {Doubt::kSingleSinusoids,
+         "Single sinusoids excite the joints, and more than one effect would be needed: other combinations "
+         "explain as much. Add a second frequency."});
+  }
+  if (const std::string resting = restingJoints(signals); !resting.empty()) {
+    diagnosis.doubts.push_back(
+        {Doubt::kJointAtRest, fmt::format("{}: whether anything is missing there cannot be told. Nothing was "
+                                          "found to be missing elsewhere.",
+                                          resting)});
   }
   const std::size_t plain = 4 * signals.size();
-  if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {
-    if (const std::size_t unseen = plainEffectsUnseen(detector, data); 2 * unseen > plain) {
-      refuse(diagnosis,
-             fmt::format("Nothing was found, but of {} plain effects {} would not show if they were three "
-                         "times as large as the noise.",
-                         plain, unseen));
-    }
+  if (const std::size_t unseen = plainEffectsUnseen(detector, data); 2 * unseen > plain) {
+    diagnosis.doubts.push_back(
+        {Doubt::kPlainEffectsUnseen,
+         fmt::format("Nothing was found, but of {} plain effects {} would not show if they were three "
+                     "times as large as the noise.",
+                     plain, unseen)});
   }
 }
 

@@ -38,10 +38,10 @@ std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
 void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis);
 
 /// Fills in what a diagnosis could have found: effects that would stand out from chance if their torque were
-/// as large as the noise (rms), and nominal parameters that the recordings narrowed. Makes the verdict
-/// insufficient_excitation where the answer rests on more than the motion tells: nothing was found, but a
-/// joint does not move, or most of the plainest effects would not show at three times the noise; two or more
-/// effects were found under single sinusoids; torque and encoder of a joint at rest contradict each other.
+/// as large as the noise (rms), and nominal parameters that the recordings narrowed. Adds a doubt where an
+/// answer would rest on more than the motion tells: a joint does not move; most of the plainest effects would
+/// not show at three times the noise; two or more effects were found under single sinusoids; torque and
+/// encoder of a joint at rest contradict each other.
 void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data, const ModelFit& fit,
                      const Atoms& atoms, double nominal_tolerance, Diagnosis& diagnosis);
 

@@ -76,6 +76,32 @@ std::string_view verdictName(Verdict verdict) noexcept {
   return "";
 }
 
+std::string_view doubtName(Doubt::Kind kind) noexcept {
+  switch (kind) {
+    case Doubt::kTooPoor:
+      return "too_poor";
+    case Doubt::kHeldOutDiffers:
+      return "heldout_differs";
+    case Doubt::kHeldOutWorse:
+      return "heldout_worse";
+    case Doubt::kRestingTorque:
+      return "resting_torque";
+    case Doubt::kRecordingsDisagree:
+      return "recordings_disagree";
+    case Doubt::kUnexplained:
+      return "unexplained";
+    case Doubt::kSingleSinusoids:
+      return "single_sinusoids";
+    case Doubt::kLargeRest:
+      return "large_rest";
+    case Doubt::kJointAtRest:
+      return "joint_at_rest";
+    case Doubt::kPlainEffectsUnseen:
+      return "plain_effects_unseen";
+  }
+  return "";
+}
+
 EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
                         const Evidence& evidence, int joints) {
   for (ParameterEstimate& parameter : parameters) {
@@ -120,7 +146,9 @@ void addConfoundsBetween(std::vector<EffectFinding>& findings) {
 std::string explanation(const Diagnosis& diagnosis, double tolerance) {
   switch (diagnosis.verdict) {
     case Verdict::kEffectFound:
-      return "What was found explains the residual on the held-out part, too.";
+      return diagnosis.before.heldout_rms_Nm.empty()
+                 ? "What was found explains the residual; the recording is too short to hold a part out."
+                 : "What was found explains the residual on the held-out part, too.";
     case Verdict::kNothingMissing: {
       const std::string text =
           "After the nominal parameters were refitted, the residual is no more than noise.";

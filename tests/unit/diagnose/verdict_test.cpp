@@ -1,0 +1,83 @@
+// The verdict follows from what was found and what stands against it, and from nothing else.
+#include "tools/diagnose/verdict/verdict.hpp"
+
+#include <array>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+using namespace patella::diagnose;
+
+namespace {
+
+Doubt doubt(Doubt::Kind kind) {
+  return {.kind = kind, .words = std::string(doubtName(kind))};
+}
+
+}  // namespace
+
+TEST_CASE("without a doubt, effects are found or nothing is missing") {
+  CHECK(verdictOf({}, true) == Verdict::kEffectFound);
+  CHECK(verdictOf({}, false) == Verdict::kNothingMissing);
+}
+
+TEST_CASE("each doubt alone makes of either answer what is written here") {
+  struct Row {
+    Doubt::Kind kind;
+    Verdict effects;
+    Verdict nothing;
+  };
+  constexpr Verdict kFound = Verdict::kEffectFound;
+  constexpr Verdict kNone = Verdict::kNothingMissing;
+  constexpr Verdict kUnknown = Verdict::kUnknownEffect;
+  constexpr Verdict kPoor = Verdict::kInsufficientExcitation;
+  constexpr std::array kRows{
+      Row{Doubt::kTooPoor, kPoor, kPoor},
+      Row{Doubt::kHeldOutDiffers, kUnknown, kUnknown},
+      Row{Doubt::kHeldOutWorse, kUnknown, kUnknown},
+      Row{Doubt::kRestingTorque, kPoor, kPoor},
+      Row{Doubt::kRecordingsDisagree, kUnknown, kUnknown},
+      Row{Doubt::kUnexplained, kUnknown, kUnknown},
+      Row{Doubt::kSingleSinusoids, kPoor, kNone},
+      Row{Doubt::kLargeRest, kFound, kUnknown},
+      Row{Doubt::kJointAtRest, kFound, kPoor},
+      Row{Doubt::kPlainEffectsUnseen, kFound, kPoor},
+  };
+  for (const Row& row : kRows) {
+    CAPTURE(doubtName(row.kind));
+    const std::array doubts{doubt(row.kind)};
+    CHECK(verdictOf(doubts, true) == row.effects);
+    CHECK(verdictOf(doubts, false) == row.nothing);
+  }
+}
+
+TEST_CASE("of several doubts the first that counts decides, in whatever order they came up") {
+  const std::array doubts{doubt(Doubt::kLargeRest), doubt(Doubt::kPlainEffectsUnseen), doubt(Doubt::kTooPoor),
+                          doubt(Doubt::kUnexplained)};
+  CHECK(decidingDoubt(doubts, false)->kind == Doubt::kTooPoor);
+  CHECK(decidingDoubt(std::span(doubts).first(2), false)->kind == Doubt::kLargeRest);
+  CHECK(decidingDoubt(std::span(doubts).first(2), true) == nullptr);
+}
+
+TEST_CASE("a diagnosis says what decided, and what a found effect leaves") {
+  Diagnosis diagnosis;
+  diagnosis.doubts = {doubt(Doubt::kLargeRest)};
+  settle(diagnosis, 0.1);
+  CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
+  CHECK(diagnosis.explanation == "large_rest");
+
+  diagnosis.effects.emplace_back();
+  settle(diagnosis, 0.1);
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
+  CHECK(diagnosis.explanation.ends_with(" large_rest"));
+}
+
+TEST_CASE("an answer claims a held-out part only where there was one") {
+  Diagnosis diagnosis;
+  diagnosis.effects.emplace_back();
+  settle(diagnosis, 0.1);
+  CHECK(diagnosis.explanation.find("held-out") == std::string::npos);
+  diagnosis.before.heldout_rms_Nm = {0.1};
+  settle(diagnosis, 0.1);
+  CHECK(diagnosis.explanation.find("held-out") != std::string::npos);
+}

@@ -1,0 +1,101 @@
+#include "tools/diagnose/output/effects_document.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/model/effect.hpp"
+#include "tools/diagnose/effects/effect_home.hpp"
+#include "tools/diagnose/effects/recipe_parts.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+std::string_view variableWords(Shows shows) {
+  switch (shows) {
+    case Shows::kPosition:
+      return "position";
+    case Shows::kVelocity:
+      return "velocity";
+    case Shows::kAcceleration:
+      return "acceleration";
+    case Shows::kTorque:
+      return "torque of the drive";
+    case Shows::kTorqueRate:
+      return "rate of the drive's torque";
+    case Shows::kTime:
+      return "time";
+    case Shows::kActivation:
+      return "EMG activation";
+  }
+  return "";
+}
+
+// Effects whose torque is a special case of this one's, on a motion like any leg's.
+std::set<std::string> simplerKinds(const EffectHome& home) {
+  constexpr Motion kSwing{.joint = 0,
+                          .velocity_rms = 1.0,
+                          .lowest_position = -0.5,
+                          .position_range = 1.0,
+                          .torque_rms = 5.0,
+                          .duration_s = 20.0,
+                          .band_Hz = 14.0,
+                          .inertia = 0.3,
+                          .smoothing_rad_s = 0.01};
+  constexpr int kChannel = 1;
+  std::vector<Recipe> recipes;
+  home.add(kSwing, std::span(&kChannel, 1), recipes);
+  std::set<std::string> simpler;
+  for (const Recipe& recipe : recipes) {
+    simpler.insert(recipe.contains.begin(), recipe.contains.end());
+  }
+  simpler.erase(std::string(home.kind));
+  return simpler;
+}
+
+std::string effectSection(const model::EffectDescriptor& effect) {
+  const EffectHome& home = effectHome(effect.kind);
+  std::string text = fmt::format("## {}\n\n{}\n\n- Equation: `{}`\n- Shows on: {}{}\n", effect.kind,
+                                 home.what, effect.equation, variableWords(home.shows),
+                                 home.at_rest ? "; postures at rest show it, too" : "");
+  if (home.of_patient) {
+    text += fmt::format("- Looked for on a leg only{}\n", home.of_knee ? ", on its last joint" : "");
+  }
+  if (const auto simpler = simplerKinds(home); !simpler.empty()) {
+    text += fmt::format("- Stands in place of: {}\n", fmt::join(simpler, ", "));
+  }
+  text += fmt::format(
+      "- Source: {}\n\n| parameter | meaning | from | to | initial | from recordings |\n"
+      "|---|---|---|---|---|---|\n",
+      effect.source);
+  for (const model::EffectParameter& parameter : effect.parameters) {
+    text += fmt::format("| `{}` | {} | {:g} | {:g} | {:g} | {} |\n", parameter.name, parameter.meaning,
+                        parameter.minimum, parameter.maximum, parameter.initial,
+                        parameter.identified ? "yes" : "no: kept as given");
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string effectsDocument() {
+  std::string text =
+      "# The library of effects\n\n"
+      "This is what `patella-diagnose --list-effects` prints. A model file declares an effect as "
+      "`[[effect]]` with its\n"
+      "`kind`, its `joint` (from 1) and its parameters; those that are left out have their initial values. "
+      "The equation is\n"
+      "the torque on the leg in N·m; on a rail read N for N·m, m for rad and kg for kg·m². The loop, the "
+      "simulated rig and\n"
+      "the diagnosis share one implementation of each.\n\n";
+  for (const model::EffectDescriptor* effect : model::effectCatalogue()) {
+    text += effectSection(*effect);
+  }
+  text.pop_back();
+  return text;
+}
+
+}  // namespace patella::diagnose

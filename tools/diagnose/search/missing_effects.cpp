@@ -1,0 +1,198 @@
+#include "tools/diagnose/search/missing_effects.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/effects/considered.hpp"
+#include "tools/diagnose/fit/model_error.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/search/established.hpp"
+#include "tools/diagnose/search/friction_smoothing.hpp"
+#include "tools/diagnose/search/heldout_elimination.hpp"
+#include "tools/diagnose/search/outweighed.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
+constexpr double kContradicted = 9.0;
+/// Of the held-out error, what a delay must leave at most.
+constexpr double kShows = 0.99;
+
+bool isTiming(std::string_view kind) {
+  return kind == "actuator_delay" || kind == "actuator_lag";
+}
+
+bool holds(std::span<const int> joints, int joint) {
+  return std::find(joints.begin(), joints.end(), joint) != joints.end();
+}
+
+class Finder {
+ public:
+  Finder(const AnalysedRecordings& recordings, const app::ModelDescription& model,
+         std::span<const int> moving, std::span<const double> noise_Nm, const DiagnoseOptions& options)
+      : recordings_(recordings), model_(model), moving_(moving), noise_Nm_(noise_Nm), options_(options) {}
+
+  MissingEffects find() {
+    MissingEffects first = search(model_, {});
+    first.refitted = first.fitter->describe(first.nominal);
+    late_ = lateDrives(first);
+    MissingEffects found;
+    bool settled = late_.empty();
+    while (!settled) {
+      found = search(withLate(), lateJoints());
+      settled = !dropLateThatDoesNotHold(first, found) || late_.empty();
+    }
+    if (late_.empty()) {
+      found = std::move(first);
+    } else {
+      // What the given model leaves is what its own refit leaves.
+      found.nominal = std::move(first.nominal);
+      found.refitted = std::move(first.refitted);
+    }
+    found.late = std::move(late_);
+    dropWhatIsNot(found);
+    found.warnings = std::move(warnings_);
+    return found;
+  }
+
+ private:
+  // For what one model lacks.
+  MissingEffects search(const app::ModelDescription& model, std::span<const int> timed_joints) const {
+    options_.report("columns", 0.0);
+    MissingEffects search;
+    const Dataset& data = recordings_.train;
+    search.fitter = std::make_unique<ModelFitter>(data, model, options_.fit());
+    search.fitter->setRedundancy(redundancy(data, search.fitter->nominal(), options_.seed));
+    search.nominal = search.fitter->nominal();
+    const std::vector<std::string> kinds = consideredKinds(options_.effects);
+    const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
+    auto considered = recipes(data, app::makeModel(model).mechanism(), kinds, recordings_.channels,
+                              frictionSmoothing(*search.fitter, search.nominal, options_.seed), leg);
+    std::erase_if(considered, [&](const auto& recipe) {
+      return !holds(moving_, recipe->joint) || (holds(timed_joints, recipe->joint) && isTiming(recipe->kind));
+    });
+    search.atoms = recipeAtoms(*search.fitter, considered);
+    options_.report("search", 0.0);
+    SelectionOptions selection = options_.selection();
+    selection.progress = [this](double fraction) { options_.report("search", fraction); };
+    search.selection = select(*search.fitter, search.atoms, search.nominal, selection);
+    return search;
+  }
+
+  // On joints whose drive the first search has not timed already.
+  std::vector<LateDrive> lateDrives(const MissingEffects& first) const {
+    const auto& kinds = options_.effects;
+    if (!kinds.empty() && std::none_of(kinds.begin(), kinds.end(), isTiming)) {
+      return {};
+    }
+    std::vector<int> joints(moving_.begin(), moving_.end());
+    std::erase_if(joints, [&](int joint) {
+      const auto& terms = first.selection.fit.terms;
+      return std::any_of(terms.begin(), terms.end(), [joint](const Term& term) {
+        return term.recipe->joint == joint && isTiming(term.recipe->kind);
+      });
+    });
+    std::vector<LateDrive> late =
+        findLateDrives(recordings_.parts.train, first.fitter->describe(first.selection.fit), joints,
+                       options_.fit(), options_.selection());
+    std::erase_if(late, [&](const LateDrive& drive) { return !slowMotionAgrees(drive, first); });
+    return late;
+  }
+
+  // A drive is as late in slow motion as in fast, where vibration of the structure may pass for a delay.
+  bool slowMotionAgrees(const LateDrive& late, const MissingEffects& first) const {
+    app::ModelDescription model = model_;
+    model.effects.push_back(late.effect);
+    ModelFitter fitter(recordings_.train, model, options_.fit());
+    const ModelFit& fit = first.selection.fit;
+    const double spoken_against = fitter.fit(fit, *fit.weighting).objective - fit.objective;
+    return spoken_against < kContradicted * fit.prior_scale * fit.prior_scale;
+  }
+
+  // A delay that fast motion asks for shows in the error of data that were not fitted. True where one was
+  // dropped.
+  bool dropLateThatDoesNotHold(const MissingEffects& first, const MissingEffects& timed) {
+    if (!recordings_.heldout || !options_.gates.heldout) {
+      return false;
+    }
+    const Dataset& heldout = *recordings_.heldout;
+    const auto errors = [&](const MissingEffects& search) {
+      return residualOf(heldout, search.fitter->describe(search.selection.fit)).residual;
+    };
+    const Column without = errors(first);
+    const Column with = errors(timed);
+    return std::erase_if(late_, [&](const LateDrive& late) {
+             const int joint = late.effect.joint;
+             const bool shows = jointRms(heldout, with, joint) < kShows * jointRms(heldout, without, joint);
+             if (!shows) {
+               warnings_.push_back(
+                   fmt::format("{}@{} explained fast motion, but not the held-out part: not added",
+                               late.effect.kind, joint + 1));
+             }
+             return !shows;
+           }) > 0;
+  }
+
+  void dropWhatIsNot(MissingEffects& found) {
+    if (recordings_.heldout && options_.gates.heldout) {
+      for (const std::string& label :
+           dropWhatDoesNotHold(*found.fitter, found.selection, *recordings_.heldout)) {
+        warnings_.push_back(label +
+                            " explained a part of the recording, but not the held-out part: not added");
+      }
+    }
+    for (const std::string& label : dropWhatIsNotEstablished(
+             *found.fitter, found.selection, options_.bootstrap_replicates, options_.covarianceSeed())) {
+      warnings_.push_back(label +
+                          " explained a part of the recording, but its parameters are not known: not added");
+    }
+    if (options_.gates.rest) {
+      for (const std::string& label : dropWhatTheRestOutweighs(*found.fitter, found.selection, noise_Nm_)) {
+        warnings_.push_back(label + " explained less than what nothing explains: not added");
+      }
+    }
+  }
+
+  app::ModelDescription withLate() const {
+    app::ModelDescription model = model_;
+    for (const LateDrive& late : late_) {
+      model.effects.push_back(late.effect);
+    }
+    return model;
+  }
+
+  std::vector<int> lateJoints() const {
+    std::vector<int> joints;
+    for (const LateDrive& late : late_) {
+      joints.push_back(late.effect.joint);
+    }
+    return joints;
+  }
+
+  const AnalysedRecordings& recordings_;
+  const app::ModelDescription& model_;
+  std::span<const int> moving_;
+  std::span<const double> noise_Nm_;
+  const DiagnoseOptions& options_;
+  std::vector<LateDrive> late_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+bool MissingEffects::namesAny() const {
+  const auto& terms = selection.fit.terms;
+  return !late.empty() ||
+         std::any_of(terms.begin(), terms.end(), [](const Term& term) { return !term.declared; });
+}
+
+MissingEffects findMissing(const AnalysedRecordings& recordings, const app::ModelDescription& model,
+                           std::span<const int> moving, std::span<const double> noise_Nm,
+                           const DiagnoseOptions& options) {
+  return Finder(recordings, model, moving, noise_Nm, options).find();
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,77 @@
+#include "tools/diagnose/search/outweighed.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/search/free_function.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+struct Joints {
+  std::vector<double> square_Nm2;  ///< of what is left, joint by joint
+};
+
+Joints leftBy(ModelFitter& fitter, const ModelFit& fit) {
+  const Column residual = fitter.onWholeTorque(fit).residual;
+  Joints joints;
+  for (int joint = 0; joint < fitter.data().joints(); ++joint) {
+    joints.square_Nm2.push_back(std::pow(jointRms(fitter.data(), residual, joint), 2));
+  }
+  return joints;
+}
+
+// Of what only an effect explains, over what nothing explains, on the joint where that is most.
+double overRest(const Joints& with, const Joints& without, std::span<const double> noise_Nm) {
+  double most = 0.0;
+  for (std::size_t joint = 0; joint < with.square_Nm2.size(); ++joint) {
+    const double own = without.square_Nm2[joint] - with.square_Nm2[joint];
+    const double rest = with.square_Nm2[joint] - noise_Nm[joint] * noise_Nm[joint];
+    if (own > 0.0) {
+      most = std::max(most, rest > 0.0 ? std::sqrt(own / rest) : std::numeric_limits<double>::infinity());
+    }
+  }
+  return most;
+}
+
+bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
+  return std::any_of(functions.begin(), functions.end(),
+                     [term](const FreeFunction& function) { return function.holds(term); });
+}
+
+}  // namespace
+
+std::vector<std::string> dropWhatTheRestOutweighs(ModelFitter& fitter, Selection& selection,
+                                                  std::span<const double> noise_Nm) {
+  std::vector<std::string> dropped;
+  for (;;) {
+    const Joints with = leftBy(fitter, selection.fit);
+    const std::vector<FreeFunction> functions = freeFunctions(fitter.data(), selection);
+    double least = kOverRest;
+    std::optional<Selection> best;
+    std::string label;
+    for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
+      if (selection.fit.terms[t].declared || isPartOf(functions, t)) {
+        continue;
+      }
+      Selection smaller = withoutTerm(fitter, selection, t);
+      const double over = overRest(with, leftBy(fitter, smaller.fit), noise_Nm);
+      if (over < least) {
+        least = over;
+        best = std::move(smaller);
+        label = selection.fit.terms[t].recipe->label();
+      }
+    }
+    if (!best) {
+      return dropped;
+    }
+    dropped.push_back(label);
+    selection = std::move(*best);
+  }
+}
+
+}  // namespace patella::diagnose

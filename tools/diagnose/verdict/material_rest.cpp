@@ -1,0 +1,33 @@
+#include "tools/diagnose/verdict/material_rest.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace patella::diagnose {
+
+void judgeRest(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
+               std::span<const double> noise_Nm, bool person, Diagnosis& diagnosis) {
+  const std::vector<JointRest> rests = jointRests(data, mechanism, left, noise_Nm);
+  for (const JointRest& rest : rests) {
+    diagnosis.rests.push_back(
+        {.torque_Nm = rest.torque_Nm, .structure_Nm = rest.structure_Nm(), .noise_Nm = rest.noise_Nm});
+  }
+  const auto worst = std::max_element(rests.begin(), rests.end(), [](const auto& a, const auto& b) {
+    return a.structure_Nm() * b.torque_Nm < b.structure_Nm() * a.torque_Nm;
+  });
+  if (!worst->exceeds(kMaterialRest)) {
+    return;
+  }
+  constexpr double kPercent = 100.0;
+  diagnosis.doubts.push_back(
+      {Doubt::kLargeRest,
+       fmt::format(
+           "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, "
+           "where sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",
+           worst->structure_Nm(), diagnosis.torque_unit, worst - rests.begin() + 1,
+           kPercent * worst->structure_Nm() / worst->torque_Nm, person ? " and declared pushes" : "",
+           worst->noise_Nm, diagnosis.torque_unit)});
+}
+
+}  // namespace patella::diagnose

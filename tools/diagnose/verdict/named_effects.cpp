@@ -1,0 +1,102 @@
+#include "tools/diagnose/verdict/named_effects.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/search/correlations.hpp"
+#include "tools/diagnose/search/estimates.hpp"
+#include "tools/diagnose/search/free_function.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
+#include "tools/diagnose/verdict/unknown_rest.hpp"
+#include "tools/diagnose/verdict/wandering_tremor.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
+                 const std::vector<FreeFunction>& free, int joints, std::vector<EffectFinding>& effects) {
+  const ModelFit& fit = found.selection.fit;
+  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
+    const Term& term = fit.terms[t];
+    if (term.declared) {
+      continue;
+    }
+    effects.push_back(findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, t),
+                                found.selection.evidence[t], joints));
+    for (const Term& replaced : term.replaced) {
+      effects.back().replaces.push_back(replaced.recipe->kind);
+    }
+    for (const FreeFunction& function : free) {
+      if (function.holds(t)) {
+        effects.back().indistinguishable_from.push_back("any function of " + function.dependence.variable);
+      }
+    }
+  }
+}
+
+void addTremors(const Dataset& wide, const app::ModelDescription& extended, const DiagnoseOptions& options,
+                Diagnosis& diagnosis) {
+  const auto& kinds = options.effects;
+  const bool considered = kinds.empty() || std::find(kinds.begin(), kinds.end(), "tremor") != kinds.end();
+  if (!considered) {
+    return;
+  }
+  for (EffectFinding& tremor : wanderingTremors(wide, extended, diagnosis.effects)) {
+    diagnosis.warnings.push_back(
+        fmt::format("the phase of joint {}'s tremor wanders: it is named, but not added to the model, which "
+                    "could not foresee it",
+                    tremor.joint + 1));
+    diagnosis.effects.push_back(std::move(tremor));
+  }
+}
+
+// What found effects explain includes what the declared ones did that they replaced.
+Eigen::VectorXd missingTorque(MissingEffects& found) {
+  Eigen::VectorXd residual = found.nominal.residual;
+  for (const Term& term : found.selection.fit.terms) {
+    for (const Term& replaced : term.replaced) {
+      residual += found.fitter->torque(replaced);
+    }
+  }
+  return residual;
+}
+
+}  // namespace
+
+void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
+                 const std::vector<Dependence>& dependences, const DiagnoseOptions& options,
+                 Diagnosis& diagnosis) {
+  const Dataset& data = recordings.train;
+  const Selection& selection = found.selection;
+  diagnosis.steps = selection.steps;
+  diagnosis.unexplained = dependences;
+  const Eigen::MatrixXd covariance =
+      widerCovariance(data, selection.fit, options.bootstrap_replicates, options.covarianceSeed());
+  const std::vector<FreeFunction> free = freeFunctions(data, selection);
+  addSelected(found, covariance, free, data.joints(), diagnosis.effects);
+  for (const LateDrive& late : found.late) {
+    diagnosis.effects.push_back(
+        findingOf(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence, data.joints()));
+  }
+  addConfoundsBetween(diagnosis.effects);
+  addTremors(recordings.wide, found.fitter->describe(selection.fit), options, diagnosis);
+  // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
+  if (diagnosis.effects.empty() && diagnosis.unexplained.empty() && selection.unsteady) {
+    diagnosis.unexplained.push_back(*selection.unsteady);
+  }
+  const Eigen::VectorXd left = found.fitter->onWholeTorque(selection.fit).residual;
+  const bool unexplained = restIsUnknown(data, {.missing = missingTorque(found), .left = left},
+                                         diagnosis.effects, diagnosis.unexplained);
+  for (const FreeFunction& function : free) {
+    diagnosis.unexplained.insert(diagnosis.unexplained.begin(), function.dependence);
+  }
+  if (unexplained || !free.empty()) {
+    diagnosis.doubts.push_back({Doubt::kUnexplained, {}});
+  }
+  diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
+  diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);
+}
+
+}  // namespace patella::diagnose

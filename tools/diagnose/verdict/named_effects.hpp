@@ -1,0 +1,19 @@
+// From terms of a fit to findings with names: what a search found, as a diagnosis tells it.
+#pragma once
+
+#include <vector>
+
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/search/missing_effects.hpp"
+
+namespace patella::diagnose {
+
+/// Writes effects with their parameters, tremors whose phase wanders, the steps of the search, refitted
+/// parameters and their correlations into the diagnosis. `dependences`: what the rest behind the found
+/// effects depends on. A doubt is added where it, or what was found itself, bends like no effect of the
+/// library.
+void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
+                 const std::vector<Dependence>& dependences, const DiagnoseOptions& options,
+                 Diagnosis& diagnosis);
+
+}  // namespace patella::diagnose

@@ -1,0 +1,81 @@
+#include "tools/diagnose/verdict/verdict.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "tools/diagnose/verdict/findings.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+/// Answers against which a doubt counts.
+enum class Against { kEveryAnswer, kEffects, kNothing };
+
+struct Rule {
+  Doubt::Kind kind;
+  Against against;
+  Verdict verdict;
+};
+
+// In the order of the kinds.
+constexpr std::array kRules{
+    Rule{Doubt::kTooPoor, Against::kEveryAnswer, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kHeldOutDiffers, Against::kEveryAnswer, Verdict::kUnknownEffect},
+    Rule{Doubt::kHeldOutWorse, Against::kEveryAnswer, Verdict::kUnknownEffect},
+    Rule{Doubt::kRestingTorque, Against::kEveryAnswer, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kRecordingsDisagree, Against::kEveryAnswer, Verdict::kUnknownEffect},
+    Rule{Doubt::kUnexplained, Against::kEveryAnswer, Verdict::kUnknownEffect},
+    Rule{Doubt::kSingleSinusoids, Against::kEffects, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kLargeRest, Against::kNothing, Verdict::kUnknownEffect},
+    Rule{Doubt::kJointAtRest, Against::kNothing, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kPlainEffectsUnseen, Against::kNothing, Verdict::kInsufficientExcitation},
+};
+
+static_assert(std::is_sorted(kRules.begin(), kRules.end(),
+                             [](const Rule& a, const Rule& b) { return a.kind < b.kind; }));
+
+const Rule& ruleOf(Doubt::Kind kind) noexcept {
+  return kRules[static_cast<std::size_t>(kind)];
+}
+
+bool counts(const Doubt& doubt, bool effects) noexcept {
+  const Against against = ruleOf(doubt.kind).against;
+  return against == Against::kEveryAnswer || (against == Against::kEffects) == effects;
+}
+
+}  // namespace
+
+const Doubt* decidingDoubt(std::span<const Doubt> doubts, bool effects) noexcept {
+  const Doubt* deciding = nullptr;
+  for (const Doubt& doubt : doubts) {
+    if (counts(doubt, effects) && (deciding == nullptr || doubt.kind < deciding->kind)) {
+      deciding = &doubt;
+    }
+  }
+  return deciding;
+}
+
+Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept {
+  if (const Doubt* deciding = decidingDoubt(doubts, effects)) {
+    return ruleOf(deciding->kind).verdict;
+  }
+  return effects ? Verdict::kEffectFound : Verdict::kNothingMissing;
+}
+
+void settle(Diagnosis& diagnosis, double nominal_tolerance) {
+  const bool effects = !diagnosis.effects.empty();
+  diagnosis.verdict = verdictOf(diagnosis.doubts, effects);
+  const Doubt* deciding = decidingDoubt(diagnosis.doubts, effects);
+  diagnosis.explanation = deciding != nullptr && !deciding->words.empty()
+                              ? deciding->words
+                              : explanation(diagnosis, nominal_tolerance);
+  if (diagnosis.verdict == Verdict::kEffectFound) {
+    for (const Doubt& doubt : diagnosis.doubts) {
+      if (doubt.kind == Doubt::kLargeRest) {
+        diagnosis.explanation += " " + doubt.words;
+      }
+    }
+  }
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,20 @@
+// The verdict as one function of what the stages of a diagnosis found.
+#pragma once
+
+#include <span>
+
+#include "tools/diagnose/result/diagnosis.hpp"
+
+namespace patella::diagnose {
+
+/// The doubt that decides, which is the first that counts against such an answer, in the order of `Doubt`;
+/// null where none does. `effects`: effects of the library were found.
+const Doubt* decidingDoubt(std::span<const Doubt> doubts, bool effects) noexcept;
+
+/// What the deciding doubt makes of the answer; without one effects are found, or nothing is missing.
+Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept;
+
+/// Writes verdict and explanation into a diagnosis whose effects and doubts are complete.
+void settle(Diagnosis& diagnosis, double nominal_tolerance);
+
+}  // namespace patella::diagnose
