@@ -38,6 +38,7 @@ TEST_CASE("each doubt alone makes of either answer what is written here") {
       Row{Doubt::kRestingTorque, kPoor, kPoor},
       Row{Doubt::kRecordingsDisagree, kUnknown, kUnknown},
       Row{Doubt::kUnexplained, kUnknown, kUnknown},
+      Row{Doubt::kOutweighed, kFound, kUnknown},
       Row{Doubt::kSingleSinusoids, kPoor, kNone},
       Row{Doubt::kLargeRest, kFound, kUnknown},
       Row{Doubt::kJointAtRest, kFound, kPoor},
@@ -70,6 +71,19 @@ TEST_CASE("a diagnosis says what decided, and what a found effect leaves") {
   settle(diagnosis, 0.1);
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
   CHECK(diagnosis.explanation.ends_with(" large_rest"));
+}
+
+TEST_CASE("effects that explain less than what nothing explains are not asserted") {
+  Diagnosis diagnosis;
+  diagnosis.effects.emplace_back();
+  diagnosis.effects.back().outweighed = true;
+  diagnosis.doubts = {doubt(Doubt::kOutweighed)};
+  settle(diagnosis, 0.1);
+  CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
+
+  diagnosis.effects.emplace_back();
+  settle(diagnosis, 0.1);
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
 }
 
 TEST_CASE("an answer claims a held-out part only where there was one") {

@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/diagnose/diagnose.hpp"
@@ -140,6 +141,7 @@ CaseResult runCase(const Options& options, std::size_t index) {
                                      {.person_Nm = {drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.end()}});
     } else {
       result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
+      keepAsserted(result.diagnosis);
     }
     result.diagnosis.curves.clear();
     result.score = score(result.truth, result.diagnosis);

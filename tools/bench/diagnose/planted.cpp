@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/model/effect.hpp"
+#include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/measured_rigs.hpp"
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/diagnose.hpp"
@@ -251,7 +252,8 @@ std::string runPlanted(const PlantedOptions& options) {
       plant = drawPlant(sizeOf(data, bare, joint), joint, random);
       plantIn(recording, *plant, bare.mechanism());
     }
-    const diagnose::Diagnosis diagnosis = decide(recording, half.model, options.by_evidence);
+    diagnose::Diagnosis diagnosis = decide(recording, half.model, options.by_evidence);
+    keepAsserted(diagnosis);
     for (Counts* counts : {&sum, &by_rig[half.source->rig], &by_kind[plant ? plant->kind : "nothing"]}) {
       mark(diagnosis, plant, *counts);
     }

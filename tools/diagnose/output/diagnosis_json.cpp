@@ -35,7 +35,8 @@ Json describeEffect(const EffectFinding& effect) {
           {"gain_nats", effect.gain},
           {"indistinguishable_from", effect.indistinguishable_from},
           {"replaces", effect.replaces},
-          {"separating_motion", effect.separating_motion}};
+          {"separating_motion", effect.separating_motion},
+          {"outweighed", effect.outweighed}};
 }
 
 Json describeError(const ErrorMeasure& error) {

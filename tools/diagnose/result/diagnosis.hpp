@@ -31,6 +31,7 @@ struct Doubt {
     kRestingTorque,       ///< encoder and torque of a joint at rest contradict each other
     kRecordingsDisagree,  ///< recordings that were diagnosed together have no common answer
     kUnexplained,         ///< what is left bends like no effect of the library
+    kOutweighed,          ///< effects were found, but each explains less than what nothing explains
     kSingleSinusoids,     ///< several effects were found under single sinusoids
     kLargeRest,           ///< more is left than sensors and declared pushes make
     kJointAtRest,         ///< what is missing on a joint that does not move cannot be told
@@ -65,6 +66,9 @@ struct EffectFinding {
   std::vector<std::string>
       replaces;                   ///< kinds that the model declares on this joint, in whose place it stands
   std::string separating_motion;  ///< what would tell them apart; empty where nothing needs it
+  /// It explains less by itself than what nothing explains: it may be a part of something else, and is not
+  /// asserted.
+  bool outweighed = false;
 };
 
 /// Motion of a joint (m for a prismatic one) simulated over windows that start at measured states, thinned; a

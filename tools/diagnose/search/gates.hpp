@@ -14,7 +14,7 @@ struct Gates {
   bool cross_validation = true;  ///< gain on folds that were not fitted
   bool stability = true;         ///< gain on most block bootstraps
   bool heldout = true;           ///< smaller error on the held-out part
-  bool rest = true;              ///< more torque than what nothing explains
+  bool rest = true;              ///< asserted only with more torque than what nothing explains
 };
 
 /// Blocked cross-validation: mean and standard error over blocks of the fall in squared whitened error on the

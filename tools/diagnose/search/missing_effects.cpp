@@ -150,9 +150,7 @@ class Finder {
                           " explained a part of the recording, but its parameters are not known: not added");
     }
     if (options_.gates.rest) {
-      for (const std::string& label : dropWhatTheRestOutweighs(*found.fitter, found.selection, noise_Nm_)) {
-        warnings_.push_back(label + " explained less than what nothing explains: not added");
-      }
+      found.outweighed = outweighedByRest(*found.fitter, found.selection, noise_Nm_);
     }
   }
 

@@ -19,6 +19,7 @@ struct MissingEffects {
   app::ModelDescription refitted;       ///< the same for files
   Atoms atoms;
   Selection selection;
+  std::vector<const Recipe*> outweighed;  ///< of the selection: less than what nothing explains
   std::vector<LateDrive> late;
   std::vector<std::string> warnings;  ///< what was found, and why it was not kept
 
@@ -26,9 +27,9 @@ struct MissingEffects {
 };
 
 /// Searches the effects of `moving` joints. Time base first: where drives turn out to be late, what is
-/// missing is looked for anew beside their delays. What does not hold on held-out data, is known too badly to
-/// say anything, or explains less than nothing does, is dropped again. `noise_Nm`: what sensors and declared
-/// pushes make of each joint. The recordings must outlive the result.
+/// missing is looked for anew beside their delays. What does not hold on held-out data, or is known too badly
+/// to say anything, is dropped again. `noise_Nm`: what sensors and declared pushes make of each joint. The
+/// recordings must outlive the result.
 MissingEffects findMissing(const AnalysedRecordings& recordings, const app::ModelDescription& model,
                            std::span<const int> moving, std::span<const double> noise_Nm,
                            const DiagnoseOptions& options);

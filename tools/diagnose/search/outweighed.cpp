@@ -45,15 +45,15 @@ bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
 
 }  // namespace
 
-std::vector<std::string> dropWhatTheRestOutweighs(ModelFitter& fitter, Selection& selection,
-                                                  std::span<const double> noise_Nm) {
-  std::vector<std::string> dropped;
+std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selection,
+                                            std::span<const double> noise_Nm) {
+  std::vector<const Recipe*> outweighed;
   for (;;) {
     const Joints with = leftBy(fitter, selection.fit);
     const std::vector<FreeFunction> functions = freeFunctions(fitter.data(), selection);
     double least = kOverRest;
     std::optional<Selection> best;
-    std::string label;
+    const Recipe* recipe = nullptr;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
       if (selection.fit.terms[t].declared || isPartOf(functions, t)) {
         continue;
@@ -63,13 +63,13 @@ std::vector<std::string> dropWhatTheRestOutweighs(ModelFitter& fitter, Selection
       if (over < least) {
         least = over;
         best = std::move(smaller);
-        label = selection.fit.terms[t].recipe->label();
+        recipe = selection.fit.terms[t].recipe.get();
       }
     }
     if (!best) {
-      return dropped;
+      return outweighed;
     }
-    dropped.push_back(label);
+    outweighed.push_back(recipe);
     selection = std::move(*best);
   }
 }

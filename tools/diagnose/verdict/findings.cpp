@@ -90,6 +90,8 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
       return "recordings_disagree";
     case Doubt::kUnexplained:
       return "unexplained";
+    case Doubt::kOutweighed:
+      return "outweighed";
     case Doubt::kSingleSinusoids:
       return "single_sinusoids";
     case Doubt::kLargeRest:

@@ -25,6 +25,8 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     }
     effects.push_back(findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, t),
                                 found.selection.evidence[t], joints));
+    effects.back().outweighed = std::find(found.outweighed.begin(), found.outweighed.end(),
+                                          term.recipe.get()) != found.outweighed.end();
     for (const Term& replaced : term.replaced) {
       effects.back().replaces.push_back(replaced.recipe->kind);
     }
@@ -94,6 +96,12 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   }
   if (unexplained || !free.empty()) {
     diagnosis.doubts.push_back({Doubt::kUnexplained, {}});
+  }
+  if (!found.outweighed.empty()) {
+    diagnosis.doubts.push_back(
+        {Doubt::kOutweighed,
+         "What was found explains less than what nothing explains, so that it may be a part of something "
+         "else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);

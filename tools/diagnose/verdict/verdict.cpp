@@ -25,6 +25,7 @@ constexpr std::array kRules{
     Rule{Doubt::kRestingTorque, Against::kEveryAnswer, Verdict::kInsufficientExcitation},
     Rule{Doubt::kRecordingsDisagree, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kUnexplained, Against::kEveryAnswer, Verdict::kUnknownEffect},
+    Rule{Doubt::kOutweighed, Against::kNothing, Verdict::kUnknownEffect},
     Rule{Doubt::kSingleSinusoids, Against::kEffects, Verdict::kInsufficientExcitation},
     Rule{Doubt::kLargeRest, Against::kNothing, Verdict::kUnknownEffect},
     Rule{Doubt::kJointAtRest, Against::kNothing, Verdict::kInsufficientExcitation},
@@ -63,7 +64,9 @@ Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept {
 }
 
 void settle(Diagnosis& diagnosis, double nominal_tolerance) {
-  const bool effects = !diagnosis.effects.empty();
+  const auto& found = diagnosis.effects;
+  const bool effects =
+      std::any_of(found.begin(), found.end(), [](const EffectFinding& effect) { return !effect.outweighed; });
   diagnosis.verdict = verdictOf(diagnosis.doubts, effects);
   const Doubt* deciding = decidingDoubt(diagnosis.doubts, effects);
   diagnosis.explanation = deciding != nullptr && !deciding->words.empty()

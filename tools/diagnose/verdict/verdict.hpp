@@ -8,7 +8,7 @@
 namespace patella::diagnose {
 
 /// The doubt that decides, which is the first that counts against such an answer, in the order of `Doubt`;
-/// null where none does. `effects`: effects of the library were found.
+/// null where none does. `effects`: some of the library were found that outweigh the rest.
 const Doubt* decidingDoubt(std::span<const Doubt> doubts, bool effects) noexcept;
 
 /// What the deciding doubt makes of the answer; without one effects are found, or nothing is missing.
