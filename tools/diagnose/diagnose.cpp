@@ -1,6 +1,8 @@
 #include "tools/diagnose/diagnose.hpp"
 
 #include <memory>
+#include <set>
+#include <string>
 
 #include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
@@ -13,6 +15,7 @@
 #include "tools/diagnose/verdict/excitation.hpp"
 #include "tools/diagnose/verdict/material_rest.hpp"
 #include "tools/diagnose/verdict/named_effects.hpp"
+#include "tools/diagnose/verdict/power.hpp"
 #include "tools/diagnose/verdict/runaways.hpp"
 #include "tools/diagnose/verdict/verdict.hpp"
 
@@ -40,6 +43,15 @@ std::vector<int> movingJoints(std::span<const JointSignals> signals) {
     }
   }
   return moving;
+}
+
+// What a fit holds, declared or found.
+std::set<std::string> labelsIn(const ModelFit& fit) {
+  std::set<std::string> labels;
+  for (const Term& term : fit.terms) {
+    labels.insert(term.recipe->label());
+  }
+  return labels;
 }
 
 // Nothing is fitted: the model stays as it was given.
@@ -85,10 +97,12 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   nameEffects(analysed, found,
               testDependence(train, whole, analysed.channels, 4 * options.bootstrap_replicates, level,
                              options.seed + 104729),
-              options, diagnosis);
+              noise_Nm, options, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, options.nominal_tolerance, diagnosis);
+  diagnosis.revealed =
+      revealedBy(train, fit, found.atoms, diagnosis.rests, labelsIn(fit), thresholdOf(diagnosis, fit));
 
   options.report("errors", 0.0);
   judgeByErrors({.train = train,

@@ -21,8 +21,10 @@ struct Marked {
 
 Marked marked(std::uint64_t seed, Suite suite, const Wish& wish) {
   Case drawn = drawCase(seed, suite, wish);
+  patella::diagnose::DiagnoseOptions options;
+  options.person_Nm.assign(drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.begin() + drawn.nominal.joints());
   Diagnosis diagnosis =
-      patella::diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, {});
+      patella::diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, options);
   return {.drawn = std::move(drawn), .diagnosis = std::move(diagnosis)};
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/verdict/power.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -96,6 +97,9 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
   }
   for (const std::string& line : refusedLines(diagnosis)) {
     out << line << "\n";
+  }
+  if (const std::string revealed = revealedWords(diagnosis); !revealed.empty()) {
+    out << "  would have shown: " << revealed << "\n";
   }
   for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
     out << errorLine(diagnosis, joint) << "\n";

@@ -124,6 +124,14 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
                              {"after", diagnosis.after.simulation_rms_rad},
                              {"unit", unitsOf(diagnosis).position}};
   out["excitation"] = describeExcitation(diagnosis.excitation);
+  out["revealed"] = list(diagnosis.revealed, [](const Revealed& revealed) -> Json {
+    return {{"effect", revealed.kind},
+            {"joint", revealed.joint + 1},
+            {"parameter", revealed.parameter},
+            {"smallest_size", revealed.smallest_size},
+            {"torque_rms", revealed.torque_rms_Nm},
+            {"share_of_torque", revealed.share_of_torque}};
+  });
   out["unexplained"] = list(diagnosis.unexplained, describeUnexplained);
   out["nominal_parameters"] = list(diagnosis.nominal, describeNominal);
   out["correlations"] = {{"parameters", diagnosis.correlations.parameters},

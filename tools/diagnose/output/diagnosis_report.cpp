@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/output/correlation_table.hpp"
+#include "tools/diagnose/output/power_figures.hpp"
 #include "tools/diagnose/output/residual_figures.hpp"
 #include "tools/diagnose/output/selection_figures.hpp"
 #include "tools/diagnose/output/time_figures.hpp"
@@ -224,7 +225,8 @@ std::string provenance(const Diagnosis& diagnosis) {
 
 std::string diagnosisPage(const Diagnosis& diagnosis) {
   std::vector<report::Figure> figures = timeFigures(diagnosis);
-  for (const auto& more : {residualFigures(diagnosis), selectionFigures(diagnosis)}) {
+  for (const auto& more :
+       {residualFigures(diagnosis), powerFigures(diagnosis), selectionFigures(diagnosis)}) {
     figures.insert(figures.end(), more.begin(), more.end());
   }
   const std::vector<std::string> pictures = report::drawSvg(figures);

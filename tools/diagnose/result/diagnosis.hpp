@@ -109,6 +109,17 @@ struct Excitation {
   std::vector<std::string> not_identifiable;
 };
 
+/// The smallest size of an effect that was looked for and not found, which four in five recordings like this
+/// one would have revealed.
+struct Revealed {
+  std::string kind;
+  int joint = 0;                 ///< from 0
+  std::string parameter;         ///< with its unit, as in model files
+  double smallest_size = 0.0;    ///< of that parameter; NaN where the torque does not grow with one number
+  double torque_rms_Nm = 0.0;    ///< infinite where no size would have shown
+  double share_of_torque = 0.0;  ///< of its joint
+};
+
 /// What the remaining residual depends on, strongest first.
 struct Dependence {
   int joint = 0;              ///< whose residual
@@ -181,6 +192,7 @@ struct Diagnosis {
   std::vector<RestOfJoint> rests;  ///< of each joint, on the data that were fitted
   double simulation_window_s = 0.0;
   Excitation excitation;
+  std::vector<Revealed> revealed;  ///< what is commonly missing first, and of it what shows least
   std::vector<Dependence> unexplained;
   std::vector<RefittedParameter> nominal;
   Correlations correlations;

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "tools/diagnose/regression/elementary.hpp"
-#include "tools/diagnose/search/ranking.hpp"
-#include "tools/diagnose/search/selection.hpp"
+#include "tools/diagnose/verdict/detector.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -26,79 +24,8 @@ constexpr double kSingleLine = 0.97;
 constexpr double kFreeSwing = 0.5;
 constexpr double kNarrowed = 0.8;
 constexpr double kPlainStrength = 3.0;
-/// Points of an effect's grid that are looked at: some have thousands.
-constexpr std::size_t kPointsLookedAt = 6;
 /// Share of its torque that the model may fail to explain on a joint at rest.
 constexpr double kRestExplained = 0.5;
-
-// Parameters of the model that was given; what was found is not among them, or it would not be seen twice.
-std::vector<Eigen::Index> givenParameters(const ModelFit& fit) {
-  std::vector<Eigen::Index> given(fit.mechanism.size());
-  std::iota(given.begin(), given.end(), 0);
-  for (std::size_t t = 0; t < fit.terms.size(); ++t) {
-    for (std::size_t i = 0; i < fit.terms[t].c.size() && fit.terms[t].declared; ++i) {
-      given.push_back(fit.offset[t] + static_cast<Eigen::Index>(i));
-    }
-  }
-  return given;
-}
-
-// What the given parameters cannot take up of a torque that is as large as the noise, in the gain that
-// chance is held against.
-class Detector {
- public:
-  Detector(const Dataset& data, const ModelFit& fit, double threshold)
-      : data_(data), fit_(fit), threshold_(threshold), redundancy_(fit.prior_scale * fit.prior_scale) {
-    const std::vector<Eigen::Index> given = givenParameters(fit);
-    const auto count = static_cast<Eigen::Index>(given.size());
-    const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent(Eigen::all, given));
-    Eigen::MatrixXd tangent(slope.rows() + count, count);
-    tangent << slope, Eigen::MatrixXd(Eigen::VectorXd(fit.prior_weight(given)).asDiagonal());
-    for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
-      const double length = tangent.col(k).norm();
-      tangent.col(k) /= length > 0.0 ? length : 1.0;
-    }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tangent);
-    qr.setThreshold(1e-7);
-    explained_ = qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
-  }
-
-  /// Smallest torque that would be told from chance, in units of the joint's noise; infinite where none
-  /// would.
-  double smallest(const Eigen::Ref<const Eigen::MatrixXd>& columns, int joint) const {
-    Eigen::VectorXd shape = columns.col(0);
-    if (columns.cols() > 1) {
-      const Eigen::MatrixXd others = columns.rightCols(columns.cols() - 1);
-      shape -= others * others.completeOrthogonalDecomposition().solve(shape);
-    }
-    const double size = shape.norm() / std::sqrt(static_cast<double>(data_.rows()));
-    const double noise = jointRms(data_, fit_.residual, joint);
-    if (!(size > 0.0) || !(noise > 0.0)) {
-      return std::numeric_limits<double>::infinity();
-    }
-    const Eigen::VectorXd weighted = fit_.weighting->apply(shape * (noise / size));
-    Eigen::VectorXd left = Eigen::VectorXd::Zero(explained_.rows());
-    left.head(weighted.size()) = weighted;
-    left -= explained_ * (explained_.transpose() * left);
-    return std::sqrt(threshold_ * redundancy_ / std::max(left.squaredNorm(), 1e-300));
-  }
-
- private:
-  const Dataset& data_;
-  const ModelFit& fit_;
-  double threshold_;
-  double redundancy_;
-  Eigen::MatrixXd explained_;
-};
-
-// Fall of −2 log-likelihood that the search asked for in its last step.
-double thresholdOf(const Diagnosis& diagnosis, const ModelFit& fit) {
-  if (!diagnosis.steps.empty() && !diagnosis.steps.back().ranking.empty()) {
-    return std::max(1.0, 2.0 * diagnosis.steps.back().ranking.front().threshold + parameterCost(fit));
-  }
-  constexpr double kTypical = 10.0;
-  return kTypical + parameterCost(fit);
-}
 
 // Smallest torque, in units of the noise, at which each kind on each joint would show.
 std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& atoms) {
@@ -109,9 +36,8 @@ std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& 
   std::map<std::string, double> smallest;
   for (const auto& [label, points] : by_label) {
     double best = std::numeric_limits<double>::infinity();
-    const std::size_t step = (points.size() + kPointsLookedAt - 1) / kPointsLookedAt;
-    for (std::size_t i = 0; i < points.size(); i += step) {
-      best = std::min(best, detector.smallest(atoms.of(*points[i]), points[i]->joint));
+    for (const Atom* point : someAtoms(points)) {
+      best = std::min(best, detector.of(atoms.of(*point), point->joint).in_noise);
     }
     smallest[label] = best;
   }
@@ -128,7 +54,7 @@ std::size_t plainEffectsUnseen(const Detector& detector, const Dataset& data) {
       columns.col(1).setZero();
       columns.col(1).segment(effect.joint * data.rows(), data.rows()).setOnes();
     }
-    unseen += detector.smallest(columns, effect.joint) > kPlainStrength ? 1 : 0;
+    unseen += detector.of(columns, effect.joint).in_noise > kPlainStrength ? 1 : 0;
   }
   return unseen;
 }

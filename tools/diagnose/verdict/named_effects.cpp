@@ -1,13 +1,16 @@
 #include "tools/diagnose/verdict/named_effects.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/correlations.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
+#include "tools/diagnose/search/outweighed.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 #include "tools/diagnose/verdict/unknown_rest.hpp"
 #include "tools/diagnose/verdict/wandering_tremor.hpp"
@@ -38,14 +41,25 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
   }
 }
 
-void addTremors(const Dataset& wide, const app::ModelDescription& extended, const DiagnoseOptions& options,
+// A line in the spectrum of what is left, against all else that is left.
+bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
+  const double own = 0.5 * std::pow(tremor.parameters.front().value, 2);
+  const double rest = left_Nm * left_Nm - noise_Nm * noise_Nm - own;
+  return own < kOverRest * kOverRest * rest;
+}
+
+void addTremors(const AnalysedRecordings& recordings, const app::ModelDescription& extended,
+                const Column& left, std::span<const double> noise_Nm, const DiagnoseOptions& options,
                 Diagnosis& diagnosis) {
   const auto& kinds = options.effects;
   const bool considered = kinds.empty() || std::find(kinds.begin(), kinds.end(), "tremor") != kinds.end();
   if (!considered) {
     return;
   }
-  for (EffectFinding& tremor : wanderingTremors(wide, extended, diagnosis.effects)) {
+  for (EffectFinding& tremor : wanderingTremors(recordings.wide, extended, diagnosis.effects)) {
+    const auto joint = static_cast<std::size_t>(tremor.joint);
+    tremor.outweighed = options.gates.rest &&
+                        outweighed(tremor, jointRms(recordings.train, left, tremor.joint), noise_Nm[joint]);
     diagnosis.warnings.push_back(
         fmt::format("the phase of joint {}'s tremor wanders: it is named, but not added to the model, which "
                     "could not foresee it",
@@ -68,8 +82,8 @@ Eigen::VectorXd missingTorque(MissingEffects& found) {
 }  // namespace
 
 void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
-                 const std::vector<Dependence>& dependences, const DiagnoseOptions& options,
-                 Diagnosis& diagnosis) {
+                 const std::vector<Dependence>& dependences, std::span<const double> noise_Nm,
+                 const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const Dataset& data = recordings.train;
   const Selection& selection = found.selection;
   diagnosis.steps = selection.steps;
@@ -83,12 +97,12 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
         findingOf(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence, data.joints()));
   }
   addConfoundsBetween(diagnosis.effects);
-  addTremors(recordings.wide, found.fitter->describe(selection.fit), options, diagnosis);
+  const Eigen::VectorXd left = found.fitter->onWholeTorque(selection.fit).residual;
+  addTremors(recordings, found.fitter->describe(selection.fit), left, noise_Nm, options, diagnosis);
   // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
   if (diagnosis.effects.empty() && diagnosis.unexplained.empty() && selection.unsteady) {
     diagnosis.unexplained.push_back(*selection.unsteady);
   }
-  const Eigen::VectorXd left = found.fitter->onWholeTorque(selection.fit).residual;
   const bool unexplained = restIsUnknown(data, {.missing = missingTorque(found), .left = left},
                                          diagnosis.effects, diagnosis.unexplained);
   for (const FreeFunction& function : free) {
@@ -97,7 +111,8 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   if (unexplained || !free.empty()) {
     diagnosis.doubts.push_back({Doubt::kUnexplained, {}});
   }
-  if (!found.outweighed.empty()) {
+  if (std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                  [](const EffectFinding& effect) { return effect.outweighed; })) {
     diagnosis.doubts.push_back(
         {Doubt::kOutweighed,
          "What was found explains less than what nothing explains, so that it may be a part of something "

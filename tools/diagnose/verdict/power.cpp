@@ -1,0 +1,151 @@
+#include "tools/diagnose/verdict/power.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/effects/effect_home.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/search/outweighed.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+/// Effects that are named in a sentence.
+constexpr std::size_t kTold = 5;
+/// What is commonly missing: these come first.
+constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
+                             "payload"};
+
+struct Size {
+  double torque_Nm = kNever;
+  double parameter = std::nan("");
+};
+
+// The effect's main parameter where its torque is as large; NaN where the torque does not grow with one
+// number.
+double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) {
+  const Recipe& recipe = *atom.recipe;
+  const auto& strengths = effectHome(recipe.kind).strengths;
+  const double factor = torque_Nm / shape.unit_Nm;
+  std::vector<double> c(recipe.coefficients(), 0.0);
+  std::vector<double> nu = atom.nu;
+  std::size_t index = 0;
+  const auto& parameters = model::findEffect(recipe.kind)->parameters;
+  if (!c.empty() && !strengths.empty()) {
+    c.front() = factor;
+    const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const auto& parameter) {
+      return parameter.name == strengths.front().front();
+    });
+    index = static_cast<std::size_t>(found - parameters.begin());
+  } else if (c.empty() && recipe.proportional) {
+    nu.front() = std::abs(nu.front()) * factor;
+  } else {
+    return std::nan("");
+  }
+  const double value = std::abs(recipe.parameters(c, nu)[index]);
+  // Beyond what the effect may be, its parameters are clamped.
+  return value < parameters[index].maximum ? value : kNever;
+}
+
+Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
+            double structure_Nm) {
+  const Detectable shape = detector.of(atoms.of(atom), atom.joint);
+  const double torque_Nm = smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm);
+  if (!std::isfinite(torque_Nm)) {
+    return {};
+  }
+  const double parameter = parameterAt(atom, shape, torque_Nm);
+  return std::isinf(parameter) ? Size{} : Size{.torque_Nm = torque_Nm, .parameter = parameter};
+}
+
+Size median(std::vector<Size> sizes) {
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end(),
+                   [](const Size& a, const Size& b) { return a.torque_Nm < b.torque_Nm; });
+  return *middle;
+}
+
+std::string mainParameter(std::string_view kind) {
+  const auto& strengths = effectHome(kind).strengths;
+  return std::string(strengths.empty() ? model::findEffect(kind)->parameters.front().name
+                                       : strengths.front().front());
+}
+
+bool isCommon(const Revealed& revealed) {
+  return std::find(kCommon.begin(), kCommon.end(), revealed.kind) != kCommon.end();
+}
+
+}  // namespace
+
+double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm) {
+  if (!(shape.own_share > 0.0) || !std::isfinite(shape.in_noise)) {
+    return kNever;
+  }
+  const double above_chance = shape.in_noise * (1.0 + kFourInFive / std::sqrt(threshold)) * noise_Nm;
+  return std::max(above_chance, kOverRest * structure_Nm / shape.own_share);
+}
+
+std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+                                 std::span<const RestOfJoint> rests, const std::set<std::string>& known,
+                                 double threshold) {
+  const Detector detector(data, fit, threshold);
+  std::map<std::string, std::vector<const Atom*>> by_label;
+  for (const Atom& atom : atoms.items) {
+    if (atom.recipe != nullptr && !known.contains(atom.recipe->label())) {
+      by_label[atom.recipe->label()].push_back(&atom);
+    }
+  }
+  std::vector<Revealed> all;
+  for (const auto& [label, points] : by_label) {
+    const int joint = points.front()->joint;
+    const RestOfJoint& rest = rests[static_cast<std::size_t>(joint)];
+    const double noise_Nm = jointRms(data, fit.residual, joint);
+    std::vector<Size> sizes;
+    for (const Atom* point : someAtoms(points)) {
+      sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm));
+    }
+    const Size size = median(std::move(sizes));
+    const std::string& kind = points.front()->recipe->kind;
+    all.push_back({.kind = kind,
+                   .joint = joint,
+                   .parameter = mainParameter(kind),
+                   .smallest_size = size.parameter,
+                   .torque_rms_Nm = size.torque_Nm,
+                   .share_of_torque = size.torque_Nm / rest.torque_Nm});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Revealed& a, const Revealed& b) {
+    return std::pair(!isCommon(a), -a.share_of_torque) < std::pair(!isCommon(b), -b.share_of_torque);
+  });
+  return all;
+}
+
+std::string revealedWords(const Diagnosis& diagnosis) {
+  const Units units = unitsOf(diagnosis);
+  std::string words;
+  std::size_t told = 0;
+  for (const Revealed& revealed : diagnosis.revealed) {
+    if (told == kTold || !isCommon(revealed)) {
+      break;
+    }
+    const std::string what = effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1));
+    const ParameterName name = splitName(revealed.parameter, units);
+    words += told == 0 ? "" : ", ";
+    words += std::isfinite(revealed.smallest_size)
+                 ? fmt::format("{} from {:.2g} {}", what, revealed.smallest_size, name.unit)
+             : std::isfinite(revealed.torque_rms_Nm)
+                 ? fmt::format("{} from {:.2g} {} rms", what, revealed.torque_rms_Nm, units.torque)
+                 : what + " of no size";
+    ++told;
+  }
+  return words;
+}
+
+}  // namespace patella::diagnose

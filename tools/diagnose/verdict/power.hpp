@@ -1,0 +1,32 @@
+// What a recording would have revealed: of every effect that was looked for, the smallest size.
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/verdict/detector.hpp"
+
+namespace patella::diagnose {
+
+/// Standard deviations that a torque has to lie above the threshold for four in five recordings to show it.
+inline constexpr double kFourInFive = 0.84;
+
+/// Smallest rms torque, N·m, of a shape that four in five recordings like this one would have revealed: above
+/// what chance brings, and above kOverRest times `structure_Nm`, what nothing explains on its joint. Infinite
+/// where nothing tells it from the given parameters. `noise_Nm`: rms of what the fit leaves there.
+double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm);
+
+/// Of every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or are
+/// declared: the median over typical shapes, the ones a torque changes most first.
+std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+                                 std::span<const RestOfJoint> rests, const std::set<std::string>& known,
+                                 double threshold);
+
+/// "… no coulomb friction of more than 0.05 N·m on joint 1, …": the plain effects whose smallest torque is
+/// largest against their joint's; empty where nothing is known.
+std::string revealedWords(const Diagnosis& diagnosis);
+
+}  // namespace patella::diagnose
