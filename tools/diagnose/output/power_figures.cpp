@@ -49,7 +49,7 @@ Figure powerFigure(const Diagnosis& diagnosis, int joint) {
                      ? fmt::format("{:.2g} {}", revealed.smallest_size, parameter.unit)
                  : std::isfinite(revealed.torque_rms_Nm)
                      ? fmt::format("{:.2g} {} rms", revealed.torque_rms_Nm, unitsOf(diagnosis).torque)
-                     : "of no size"});
+                     : "never"});
   }
   const double start = std::pow(10.0, std::floor(std::log10(std::max(lowest, 1e-3))));
   for (auto& bar : figure.bars) {

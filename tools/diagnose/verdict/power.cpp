@@ -51,6 +51,10 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
     return std::nan("");
   }
   const double value = std::abs(recipe.parameters(c, nu)[index]);
+  if (value == 0.0) {
+    // A variant of the kind that has another strength.
+    return std::nan("");
+  }
   // Beyond what the effect may be, its parameters are clamped.
   return value < parameters[index].maximum ? value : kNever;
 }
@@ -142,7 +146,7 @@ std::string revealedWords(const Diagnosis& diagnosis) {
                  ? fmt::format("{} from {:.2g} {}", what, revealed.smallest_size, name.unit)
              : std::isfinite(revealed.torque_rms_Nm)
                  ? fmt::format("{} from {:.2g} {} rms", what, revealed.torque_rms_Nm, units.torque)
-                 : what + " of no size";
+                 : what + " never";
     ++told;
   }
   return words;
