@@ -15,6 +15,7 @@
 #include "core/model/effect.hpp"
 #include "tools/bench/diagnose/measured_rigs.hpp"
 #include "tools/bench/diagnose/mistakes.hpp"
+#include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
@@ -112,8 +113,13 @@ std::string markOf(const Diagnosis& diagnosis) {
   }
 }
 
-Answer answerTo(const Recording& recording, const app::ModelDescription& model, const Mistake* mistake) {
+Answer answerTo(const Recording& recording, const app::ModelDescription& model, const Mistake* mistake,
+                bool judge_only) {
   try {
+    if (judge_only) {
+      diagnose::requirePlausible(std::span(&recording, 1), model);
+      return {.mark = "believed", .words = {}};
+    }
     const Diagnosis diagnosis = diagnose::diagnose(std::span(&recording, 1), {}, model, {});
     std::string found(diagnose::verdictName(diagnosis.verdict));
     for (const diagnose::EffectFinding& effect : diagnosis.effects) {
@@ -189,7 +195,7 @@ class Table {
   }
 
   std::string summary() const {
-    constexpr std::array kMarks{"named", "wrong", "effect", "nothing", "unknown"};
+    constexpr std::array kMarks{"named", "wrong", "effect", "nothing", "unknown", "believed"};
     std::string text = fmt::format("  {:<26}{:>8}", "", "copies");
     for (const char* mark : kMarks) {
       text += fmt::format("{:>9}", mark);
@@ -239,7 +245,7 @@ std::string runConventions(const ConventionOptions& options) {
   Table table(options.out);
   for (const Source& source : sources) {
     table.add("plain", source, Table::kPlain, "",
-              answerTo(source.measured->recording, source.model, nullptr));
+              answerTo(source.measured->recording, source.model, nullptr, options.judge_only));
   }
   Random random(options.seed);
   for (std::size_t done = 0; done < options.cases;) {
@@ -256,7 +262,7 @@ std::string runConventions(const ConventionOptions& options) {
       continue;
     }
     table.add(std::to_string(done), source, mistake->kind, mistake->text,
-              answerTo(copy, source.model, &*mistake));
+              answerTo(copy, source.model, &*mistake, options.judge_only));
     ++done;
   }
   return table.summary() +

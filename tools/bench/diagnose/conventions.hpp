@@ -13,6 +13,7 @@ struct ConventionOptions {
   std::filesystem::path out;     ///< folder for conventions.csv; empty: none
   std::size_t cases = 100;
   std::uint64_t seed = 1;
+  bool judge_only = false;  ///< what is believed is not diagnosed
 };
 
 /// Diagnoses recordings with the model that their makers publish and with the model that they led to, first

@@ -270,7 +270,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
   app.add_flag("--evidence", options.by_evidence,
                "decide by one score, the evidence, instead of by gates; told what the person pushes with");
-  app.add_flag("--draw-only", options.draw_only, "diagnose nothing");
+  app.add_flag("--draw-only", options.draw_only,
+               "diagnose nothing; of the suite conventions, judge the columns only");
   try {
     app.parse(argc, argv);
     const bool measured = options.suite == "planted" || options.suite == "conventions";
@@ -296,7 +297,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                                    .source = PATELLA_SOURCE_DIR,
                                    .out = options.out,
                                    .cases = options.cases,
-                                   .seed = options.seed});
+                                   .seed = options.seed,
+                                   .judge_only = options.draw_only});
     } else {
       runAll(options);
     }

@@ -28,6 +28,15 @@ bool same(const Convention& convention, int joint, int joints) {
   return joints == 1 || convention.joint == joint;
 }
 
+// Within reach of the number, or of what is as good as it.
+bool isNear(double truth, double number, const std::array<double, 2>& range, double reach) {
+  return std::abs(number - truth) < reach || (range[0] < truth && truth < range[1]);
+}
+
+std::array<double, 2> logarithms(const std::array<double, 2>& range) {
+  return range[0] > 0.0 ? std::array{std::log(range[0]), std::log(range[1])} : std::array{0.0, 0.0};
+}
+
 void mapPositions(Recording& recording, int joint, const std::function<double(double)>& map,
                   double zero_rad) {
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
@@ -177,7 +186,7 @@ class Draw {
   }
 
   Mistake torqueScale(double factor, const std::string& kind) const {
-    constexpr double kSameFactor = 1.6;
+    constexpr double kSameFactor = 1.5;
     const int joint = chosen(), joints = joints_;
     return {.kind = kind,
             .text = fmt::format("{} × {:.3g}", name("tau"), factor),
@@ -185,7 +194,8 @@ class Draw {
             .is =
                 [=](const Convention& c) {
                   return c.kind == ConventionKind::kTorqueUnit && same(c, joint, joints) &&
-                         std::abs(std::log(c.number / factor)) < std::log(kSameFactor);
+                         isNear(std::log(factor), std::log(c.number), logarithms(c.range),
+                                std::log(kSameFactor));
                 }};
   }
 
@@ -233,7 +243,8 @@ class Draw {
             .is =
                 [=](const Convention& c) {
                   return c.kind == ConventionKind::kTorqueShift && same(c, joint, joints) &&
-                         std::abs(c.number - late_s) < std::max(kSameShift_s, kSameShift * std::abs(late_s));
+                         isNear(late_s, c.number, c.range,
+                                std::max(kSameShift_s, kSameShift * std::abs(late_s)));
                 }};
   }
 

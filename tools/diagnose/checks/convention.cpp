@@ -1,5 +1,6 @@
 #include "tools/diagnose/checks/convention.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -231,6 +232,23 @@ class Known {
   std::vector<Convention> all_;
 };
 
+Convention scaleConvention(int joint, double factor, std::string mistake, std::string change) {
+  return {.kind = ConventionKind::kTorqueUnit,
+          .joint = joint,
+          .number = factor,
+          .mistake = std::move(mistake),
+          .change = std::move(change),
+          .correct =
+              [=](Series& series) {
+                for (model::EffectInput& state : series.states) {
+                  for (Eigen::Index j = 0; j < state.torque_Nm.size(); ++j) {
+                    state.torque_Nm[j] /= of(joint, j) ? factor : 1.0;
+                  }
+                }
+              },
+          .torque_only = true};
+}
+
 std::string columns(const char* stem, const char* unit, int joint, int joints) {
   std::string names;
   for (int j = 0; j < joints; ++j) {
@@ -297,44 +315,24 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
           .torque_only = true};
 }
 
-std::vector<Convention> scaleConventions(const ColumnNames& names, int joint, double factor) {
-  const double size = std::abs(std::log(factor));
-  std::vector<Convention> near;
-  if (!(size > std::log(convention::kNotOfTheModel))) {
-    return near;
-  }
-  const auto add = [&](double recorded, const std::string& mistake, const std::string& change) {
-    near.push_back({.kind = ConventionKind::kTorqueUnit,
-                    .joint = joint,
-                    .number = recorded,
-                    .mistake = mistake,
-                    .change = change,
-                    .correct =
-                        [=](Series& series) {
-                          for (model::EffectInput& state : series.states) {
-                            for (Eigen::Index j = 0; j < state.torque_Nm.size(); ++j) {
-                              state.torque_Nm[j] /= of(joint, j) ? factor : 1.0;
-                            }
-                          }
-                        },
-                    .torque_only = true});
-  };
+std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
   const std::span<const Unit> units =
       names.revolute ? std::span<const Unit>(kTorqueUnits) : std::span<const Unit>(kForceUnits);
+  std::vector<Convention> all;
   for (const Unit& unit : units) {
-    if (std::abs(std::log(factor / unit.recorded)) < convention::kNearUnit) {
-      add(unit.recorded, fmt::format("{} {} {}", names.torque(joint), names.verb(joint), unit.name),
-          tau(joint) + unit.change);
-    }
+    all.push_back(scaleConvention(joint, unit.recorded,
+                                  fmt::format("{} {} {}", names.torque(joint), names.verb(joint), unit.name),
+                                  tau(joint) + unit.change));
   }
-  if (size < std::log(convention::kLargestGear)) {
-    const double ratio = std::exp(size);
-    add(factor,
-        fmt::format("{} {} measured {} a gear of about {:.2g}", names.torque(joint), names.verb(joint),
-                    factor < 1.0 ? "before" : "behind", ratio),
-        fmt::format("{}{}{:.2g}", tau(joint), factor < 1.0 ? "·" : "/", ratio));
-  }
-  return near;
+  return all;
+}
+
+Convention gearConvention(const ColumnNames& names, int joint, double factor) {
+  const double ratio = std::max(factor, 1.0 / factor);
+  return scaleConvention(joint, factor,
+                         fmt::format("{} {} measured {} a gear of about {:.2g}", names.torque(joint),
+                                     names.verb(joint), factor < 1.0 ? "before" : "behind", ratio),
+                         fmt::format("{}{}{:.2g}", tau(joint), factor < 1.0 ? "·" : "/", ratio));
 }
 
 const char* likelyAngleUnit(double largest_angle) {

@@ -2,6 +2,7 @@
 // columns, zeros, clocks. Each is a change of a motion's states that would put it right.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -28,8 +29,10 @@ enum class ConventionKind {
 
 struct Convention {
   ConventionKind kind{};
-  int joint = -1;         ///< from 0; −1: all, or the kind says which
-  double number = 0.0;    ///< recorded per right unit; right less recorded zero, rad; torque too late, s
+  int joint = -1;       ///< from 0; −1: all, or the kind says which
+  double number = 0.0;  ///< recorded per right unit; right less recorded zero, rad; torque too late, s
+  /// What number explains as much, where it was searched for.
+  std::array<double, 2> range{};
   std::string mistake{};  ///< "q2_rad is in degrees"
   std::string change{};   ///< "q2·π/180": what would put it right
   std::function<void(Series&)> correct{};
@@ -66,9 +69,11 @@ Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad
 /// A torque, or all (−1), comes `late_s` after the position of the same row; early where that is negative.
 Convention shiftConvention(const ColumnNames& names, int joint, double late_s);
 
-/// A torque, or all (−1), is `factor` times what it should be: units and gears that come near to it. Empty
-/// where none does.
-std::vector<Convention> scaleConventions(const ColumnNames& names, int joint, double factor);
+/// Known units of a torque, or of all (−1).
+std::vector<Convention> torqueUnits(const ColumnNames& names, int joint);
+
+/// A torque, or all (−1), is `factor` times what it should be, as it is before or behind a gear.
+Convention gearConvention(const ColumnNames& names, int joint, double factor);
 
 /// What makes an angle of such a size: degrees, milliradians, counts of an encoder.
 const char* likelyAngleUnit(double largest_angle);

@@ -23,26 +23,61 @@ struct Grid {
   double first = 0.0, last = 0.0, step = 0.0, resolution = 0.0;
 };
 
-ReadAs bestOn(const Grid& grid, const Reader& reader, const std::function<Convention(double)>& convention) {
-  ReadAs best{.convention = {}, .reading = {}};
-  double least = std::numeric_limits<double>::infinity();
+double gain(const std::vector<double>& given, const std::vector<double>& read, double floor = kFloor) {
+  return misfit(given, floor) - misfit(read, floor);
+}
+
+// How much less is left than of the recording as given, as a logarithm, all joints together. The smaller a
+// torque is, the less there is to leave: where it is scaled, it has to be explained itself, or what was left
+// to be out of all proportion to the load.
+double gainOf(const ReadAs& one, const Reading& given) {
+  const double of_load = gain(given.error, one.reading.error);
+  return one.convention.kind == ConventionKind::kTorqueUnit
+             ? std::min(of_load, std::max(gain(given.error_of_torque, one.reading.error_of_torque),
+                                          gain(given.error, one.reading.error, kOutOfProportion)))
+             : of_load;
+}
+
+// Torques that are scaled are as good as each other where they leave as much over the torque.
+bool asGood(const ReadAs& one, const ReadAs& best, const Reading& given) {
+  return gainOf(one, given) > gainOf(best, given) - std::log(kAsGood) ||
+         (one.convention.kind == ConventionKind::kTorqueUnit &&
+          best.convention.kind == ConventionKind::kTorqueUnit &&
+          gain(best.reading.error_of_torque, one.reading.error_of_torque) > -std::log(kAsGood));
+}
+
+ReadAs bestOn(const Grid& grid, const Reader& reader, const Reading& given,
+              const std::function<Convention(double)>& convention) {
+  std::vector<ReadAs> tried;
+  std::vector<double> gains, numbers;
   const auto consider = [&](double number) {
-    ReadAs tried{.convention = convention(number), .reading = {}};
-    tried.reading = reader.read(tried.convention);
-    if (tried.reading.misfit() < least) {
-      least = tried.reading.misfit();
-      best = std::move(tried);
-    }
+    ReadAs one{.convention = convention(number), .reading = {}};
+    one.reading = reader.read(one.convention);
+    gains.push_back(gainOf(one, given));
+    numbers.push_back(number);
+    tried.push_back(std::move(one));
+  };
+  const auto best = [&] {
+    return static_cast<std::size_t>(std::max_element(gains.begin(), gains.end()) - gains.begin());
   };
   for (double number = grid.first; number <= grid.last; number += grid.step) {
     consider(number);
   }
   for (double step = 0.5 * grid.step; step > grid.resolution; step *= 0.5) {
-    const double centre = best.convention.number;
-    consider(centre - step);
-    consider(centre + step);
+    const double centre = numbers[best()];
+    consider(std::max(centre - step, grid.first));
+    consider(std::min(centre + step, grid.last));
   }
-  return best;
+  ReadAs found = tried[best()];
+  found.convention.range.fill(found.convention.number);
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    if (asGood(tried[i], found, given)) {
+      auto& [low, high] = found.convention.range;
+      low = std::min(low, tried[i].convention.number);
+      high = std::max(high, tried[i].convention.number);
+    }
+  }
+  return found;
 }
 
 std::vector<int> eachAndAll(int joints) {
@@ -65,33 +100,36 @@ ColumnNames columnNames(const app::ModelDescription& model) {
           .revolute = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism)};
 }
 
-std::vector<ReadAs> readings(const Reader& reader, const ColumnNames& names) {
+std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names) {
   constexpr Grid kShifts{
       .first = -kFarthestShift_s, .last = kFarthestShift_s, .step = 0.02, .resolution = 2e-3};
   constexpr Grid kZeros{.first = -std::numbers::pi,
                         .last = std::numbers::pi - 0.1,
                         .step = std::numbers::pi / 9.0,
-                        .resolution = 0.02};
+                        .resolution = 2e-3};
+  const Grid kStepUp{
+      .first = std::log(kOtherLeg), .last = std::log(kLargestGear), .step = 0.4, .resolution = 0.1};
+  const Grid kStepDown{.first = -kStepUp.last, .last = -kStepUp.first, .step = 0.4, .resolution = 0.1};
   std::vector<ReadAs> all;
-  for (Convention& convention : knownConventions(names)) {
-    Reading reading = reader.read(convention);
-    all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
-  }
-  for (const int joint : eachAndAll(names.joints)) {
-    all.push_back(
-        bestOn(kShifts, reader, [&](double late_s) { return shiftConvention(names, joint, late_s); }));
-    if (joint >= 0 && names.revolute) {
-      all.push_back(bestOn(kZeros, reader,
-                           [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); }));
+  const auto add = [&](std::vector<Convention> conventions) {
+    for (Convention& convention : conventions) {
+      Reading reading = reader.read(convention);
+      all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
     }
-  }
-  const std::vector<double> factors = reader.torqueFactors();
-  for (std::size_t j = 0; j < factors.size(); ++j) {
-    for (const int joint : {names.joints > 1 ? kAll : 0, static_cast<int>(j)}) {
-      for (Convention& convention : scaleConventions(names, joint, factors[j])) {
-        Reading reading = reader.read(convention);
-        all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
-      }
+  };
+  add(knownConventions(names));
+  for (const int joint : eachAndAll(names.joints)) {
+    add(torqueUnits(names, joint));
+    for (const Grid& gears : {kStepUp, kStepDown}) {
+      all.push_back(bestOn(gears, reader, given, [&](double logarithm) {
+        return gearConvention(names, joint, std::exp(logarithm));
+      }));
+    }
+    all.push_back(
+        bestOn(kShifts, reader, given, [&](double late_s) { return shiftConvention(names, joint, late_s); }));
+    if (joint >= 0 && names.revolute) {
+      all.push_back(bestOn(kZeros, reader, given,
+                           [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); }));
     }
   }
   std::erase_if(all, [](const ReadAs& one) {
@@ -102,41 +140,39 @@ std::vector<ReadAs> readings(const Reader& reader, const ColumnNames& names) {
   return all;
 }
 
-std::vector<ReadAs> wrongConventions(const Reader& reader, const ColumnNames& names) {
-  const Reading given = reader.asGiven();
+std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given, const ColumnNames& names) {
   if (std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
     return {};
   }
-  std::vector<ReadAs> all = readings(reader, names);
+  const double least =
+      std::max(-std::log(kFarBetter), kOfEffects * gain(given.error, given.error_with_effects));
+  std::vector<ReadAs> all = readings(reader, given, names);
   std::erase_if(all, [&](const ReadAs& one) {
     for (std::size_t j = 0; j < given.error.size(); ++j) {
-      if (one.reading.error[j] > kExplained && one.reading.error[j] < kFarBetter * given.error[j]) {
+      const double before = given.error[j], after = one.reading.error[j];
+      if (after < kFarBetter * before && after > std::max(kAsMachines, kSmallPart * before)) {
         return true;
       }
     }
-    return one.reading.misfit() > given.misfit() + std::log(kFarBetter);
+    return gainOf(one, given) < least;
   });
-  if (all.empty()) {
-    return {};
-  }
   std::sort(all.begin(), all.end(),
-            [](const ReadAs& a, const ReadAs& b) { return a.reading.misfit() < b.reading.misfit(); });
-  if (all.front().reading.misfit() > reader.withEffects().misfit() + std::log(kAgainstEffects)) {
-    return {};
+            [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });
+  if (!all.empty()) {
+    const ReadAs best = all.front();
+    std::erase_if(all, [&](const ReadAs& one) { return !asGood(one, best, given); });
   }
-  const double as_good = all.front().reading.misfit() + std::log(kAsGood);
-  std::erase_if(all, [&](const ReadAs& one) { return one.reading.misfit() > as_good; });
   return all;
 }
 
 void requireConventions(const Recording& recording, const app::ModelDescription& model) {
   const Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
-  const std::vector<ReadAs> wrong = wrongConventions(reader, columnNames(model));
+  const Reading given = reader.asGiven();
+  const std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
   if (wrong.empty()) {
     return;
   }
   const ReadAs& best = wrong.front();
-  const Reading given = reader.asGiven();
   // Of the joint that it changes most.
   std::size_t joint = 0;
   const auto better = [&](std::size_t j) {
@@ -184,11 +220,11 @@ void requireAngles(const Recording& recording, const app::ModelDescription& mode
   // A machine may turn round and round, but not by what the model explains better in another unit.
   if (!recording.is_static) {
     const Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
-    const double given = reader.asGiven().misfit();
+    const Reading given = reader.asGiven();
     bool better = false;
     for (const Convention& convention : knownConventions(names)) {
       better = better || (convention.kind == ConventionKind::kPositionUnit && convention.number > 1.0 &&
-                          reader.read(convention).misfit() < given);
+                          gain(given.error, reader.read(convention).error) > 0.0);
     }
     if (!better) {
       return;

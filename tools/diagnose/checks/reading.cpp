@@ -46,16 +46,16 @@ Eigen::VectorXd solveWithin(const Eigen::MatrixXd& columns, const Eigen::VectorX
 
 }  // namespace
 
-double Reading::misfit() const {
+double misfit(const std::vector<double>& error, double floor) {
   double sum = 0.0;
   for (const double of_joint : error) {
-    sum += std::log(std::hypot(of_joint, kFloor));
+    sum += std::log(std::hypot(of_joint, floor));
   }
   return sum;
 }
 
 Reader::Reader(Dataset data, const app::ModelDescription& model)
-    : data_(std::move(data)), model_(model), own_(columnsOf(data_)), torque_(data_.driveTorque()) {}
+    : data_(std::move(data)), model_(model), own_(columnsOf(data_)), at_rest_(restOf(own_)) {}
 
 Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
   const model::DynamicsModel bare = app::makeModel({.mechanism = model_.mechanism, .effects = {}});
@@ -85,14 +85,22 @@ Reader::Columns Reader::columnsOf(const Dataset& data) const {
   return columns;
 }
 
-Reading Reader::readingOf(const Columns& columns, const Column& torque, Freedom freedom) const {
+double Reader::loadOf(const Columns& columns, const Column& torque, int joint) const {
+  double load = std::max(1e-12, jointRms(data_, torque, joint));
+  for (Eigen::Index k = 0; k < columns.model.cols(); ++k) {
+    load = std::max(load, jointRms(data_, columns.model.col(k), joint));
+  }
+  return load;
+}
+
+std::vector<double> Reader::errorOf(const Columns& columns, const Column& torque, Freedom freedom) const {
   const Eigen::Index rows = data_.rows(), own = columns.model.cols(), plain = columns.effects.cols();
   constexpr double kAny = std::numeric_limits<double>::infinity();
   Eigen::MatrixXd all(columns.model.rows(), own + plain);
   all << columns.model, columns.effects;
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(own + plain), upper = lower;
-  lower.head(own).setConstant(freedom == kRubbing ? 1.0 - kOwnRange : 1.0 / kWideFactor);
-  upper.head(own).setConstant(freedom == kRubbing ? 1.0 + kOwnRange : kWideFactor);
+  lower.head(own).setConstant(freedom == kRubbing ? 1.0 - kOwnRange : 1.0 / kOtherLeg);
+  upper.head(own).setConstant(freedom == kRubbing ? 1.0 + kOwnRange : kOtherLeg);
   for (Eigen::Index k = 0; k < plain; ++k) {
     const Eigen::Index kind = k % kPlainKinds;
     if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb) {
@@ -100,16 +108,12 @@ Reading Reader::readingOf(const Columns& columns, const Column& torque, Freedom 
       upper[own + k] = kAny;
     }
   }
-  const auto rms = [rows](const auto& part) { return part.norm() / std::sqrt(static_cast<double>(rows)); };
   std::vector<double> load, weight;
-  for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
-    load.push_back(std::max(1e-12, rms(torque.segment(joint * rows, rows))));
-    for (Eigen::Index k = 0; k < own; ++k) {
-      load.back() = std::max(load.back(), rms(columns.model.col(k).segment(joint * rows, rows)));
-    }
+  for (int joint = 0; joint < data_.joints(); ++joint) {
+    load.push_back(loadOf(columns, torque, joint));
     weight.push_back(1.0 / load.back());
   }
-  Reading reading;
+  std::vector<double> error;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(own + plain);
   x.head(own).setOnes();
   // Each joint has a noise of its own size, which its rest tells.
@@ -123,54 +127,64 @@ Reading Reader::readingOf(const Columns& columns, const Column& torque, Freedom 
     }
     x = solveWithin(weighted, lower, upper, target, x);
     const Eigen::VectorXd left = torque - all * x;
-    reading.error.clear();
+    error.clear();
     for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
       const auto j = static_cast<std::size_t>(joint);
-      reading.error.push_back(rms(left.segment(joint * rows, rows)) / load[j]);
-      weight[j] = 1.0 / (load[j] * std::hypot(reading.error[j], kFloor));
+      error.push_back(jointRms(data_, left, static_cast<int>(joint)) / load[j]);
+      weight[j] = 1.0 / (load[j] * std::hypot(error[j], kFloor));
+    }
+  }
+  return error;
+}
+
+Reading Reader::readingOf(const Dataset& data, const Columns& columns, bool exchanged) const {
+  const Column torque = data.driveTorque();
+  Reading reading{.error = errorOf(columns, torque, kRubbing),
+                  .error_of_torque = {},
+                  .error_with_effects = errorOf(columns, torque, kAllEffects)};
+  const std::vector<bool> rest = restOf(columns);
+  for (std::size_t j = 0; j < reading.error.size(); ++j) {
+    const int joint = static_cast<int>(j);
+    const double left_Nm = reading.error[j] * loadOf(columns, torque, joint);
+    reading.error_of_torque.push_back(
+        std::min(1.0, left_Nm / std::max(1e-12, jointRms(data, torque, joint))));
+    if (rest[j] && at_rest_[exchanged ? rest.size() - 1 - j : j]) {
+      reading.error[j] = reading.error_with_effects[j] = 0.0;
     }
   }
   return reading;
 }
 
-Reading Reader::withEffects() const {
-  return readingOf(own_, torque_, kAllEffects);
+std::vector<bool> Reader::restOf(const Columns& columns) const {
+  std::vector<double> speed;
+  for (int joint = 0; joint < data_.joints(); ++joint) {
+    speed.push_back(jointRms(data_, columns.effects.col(joint * kPlainKinds + kViscous), joint));
+  }
+  const double fastest = *std::max_element(speed.begin(), speed.end());
+  std::vector<bool> rest;
+  for (const double one : speed) {
+    rest.push_back(one < kAtRest * fastest);
+  }
+  return rest;
+}
+
+Reading Reader::asGiven() const {
+  return readingOf(data_, own_, false);
 }
 
 Reading Reader::read(const Convention& convention) const {
   const Dataset changed = data_.changed(convention.correct);
   if (!convention.torque_only) {
-    return readingOf(columnsOf(changed), changed.driveTorque(), kRubbing);
+    return readingOf(changed, columnsOf(changed),
+                     convention.kind == ConventionKind::kPositionsExchanged ||
+                         convention.kind == ConventionKind::kJointsExchanged);
   }
   if (model_.effects.empty()) {
-    return readingOf(own_, changed.driveTorque(), kRubbing);
+    return readingOf(changed, own_, false);
   }
   Columns columns = own_;
   columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
-  return readingOf(columns, changed.driveTorque(), kRubbing);
-}
-
-std::vector<double> Reader::torqueFactors() const {
-  const Eigen::Index rows = data_.rows();
-  const Eigen::VectorXd needed = own_.model.rowwise().sum();
-  std::vector<double> factors;
-  for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
-    Eigen::MatrixXd nuisance(rows, 3);
-    constexpr std::array kNuisances{kViscous, kCoulomb, kBias};
-    for (std::size_t n = 0; n < kNuisances.size(); ++n) {
-      const Eigen::VectorXd column =
-          own_.effects.col(joint * kPlainKinds + kNuisances[n]).segment(joint * rows, rows);
-      nuisance.col(static_cast<Eigen::Index>(n)) = column / std::max(1e-150, column.norm());
-    }
-    const auto decomposition = nuisance.completeOrthogonalDecomposition();
-    const auto without = [&](const Eigen::VectorXd& column) -> Eigen::VectorXd {
-      return column - nuisance * decomposition.solve(column);
-    };
-    const Eigen::VectorXd x = without(needed.segment(joint * rows, rows));
-    const double product = x.dot(without(torque_.segment(joint * rows, rows)));
-    factors.push_back(product > 0.0 ? product / x.squaredNorm() : 1.0);
-  }
-  return factors;
+  return readingOf(changed, columns, false);
 }
 
 }  // namespace patella::diagnose

@@ -1,7 +1,6 @@
 // How well a model explains a recording that is read in one convention or another.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,27 +14,27 @@ namespace patella::diagnose {
 /// What the model leaves of each joint's torque, over the joint's load: the torque, or the largest term of
 /// the model where the joint is not driven, so that passive joints count as much as driven ones.
 struct Reading {
+  /// With parameters within convention::kOwnRange, and rubbing: every machine rubs. 0 where a joint is at
+  /// rest as recorded and as read: dry friction holds there against whatever it has to.
   std::vector<double> error;
-  /// Sum over the joints of the logarithms, none below that of convention::kFloor: the log-likelihood of a
-  /// noise of unknown size on each joint, but for a factor. One joint that is plainly wrong is not hidden by
-  /// one that fits.
-  double misfit() const;
+  /// The same rest over the torque alone; 1 where it explains nothing.
+  std::vector<double> error_of_torque;
+  /// With parameters within a factor of convention::kOtherLeg, and every plain effect.
+  std::vector<double> error_with_effects;
 };
+
+/// Sum over the joints of the logarithms of an error, none below that of convention::kFloor: the
+/// log-likelihood of a noise of unknown size on each joint, but for a factor. One joint that is plainly wrong
+/// is not hidden by one that fits.
+double misfit(const std::vector<double>& error, double floor);
 
 class Reader {
  public:
-  /// A model's parameters may be wrong by convention::kOwnRange.
   Reader(Dataset data, const app::ModelDescription& model);
 
   int joints() const noexcept { return data_.joints(); }
-  /// The model and rubbing: every machine rubs.
-  Reading asGiven() const { return readingOf(own_, torque_, kRubbing); }
-  /// The model within a factor of convention::kWideFactor, and every plain effect.
-  Reading withEffects() const;
+  Reading asGiven() const;
   Reading read(const Convention& convention) const;
-  /// Of each joint: how many times as large the torque is as the model needs it, rubbing and bias taken out
-  /// of both; 1 where it does not go with the model's.
-  std::vector<double> torqueFactors() const;
 
  private:
   enum Freedom { kRubbing, kAllEffects };
@@ -46,12 +45,16 @@ class Reader {
   };
   Columns columnsOf(const Dataset& data) const;
   Eigen::MatrixXd declaredOf(const Dataset& data) const;
-  Reading readingOf(const Columns& columns, const Column& torque, Freedom freedom) const;
+  /// `exchanged`: each joint's position is read in the column of the other.
+  Reading readingOf(const Dataset& data, const Columns& columns, bool exchanged) const;
+  std::vector<bool> restOf(const Columns& columns) const;
+  double loadOf(const Columns& columns, const Column& torque, int joint) const;
+  std::vector<double> errorOf(const Columns& columns, const Column& torque, Freedom freedom) const;
 
   Dataset data_;
   app::ModelDescription model_;
   Columns own_;
-  Column torque_;
+  std::vector<bool> at_rest_;
 };
 
 }  // namespace patella::diagnose

@@ -13,23 +13,27 @@ inline constexpr double kBandShareOfRate = 0.15;
 namespace convention {
 /// Relative, of the model's parameters: what people know of masses and their places.
 inline constexpr double kOwnRange = 0.3;
-/// The same where all else fails: a model of another leg, or with a payload, is no convention.
-inline constexpr double kWideFactor = 4.0;
+/// Factor by which a model of another leg, or one with a payload, may be wrong: that is no convention. A
+/// torque that is wrong by more is in another unit.
+inline constexpr double kOtherLeg = 2.5;
 /// Share of a joint's load that the best models of machines leave: what is less counts as much as none.
-inline constexpr double kFloor = 0.1;
-/// A convention has to explain at least so much of the joints that it changes …
-inline constexpr double kExplained = 0.5;
-/// … to leave no more than this share of what the recording as given leaves …
-inline constexpr double kFarBetter = 0.7;
-/// … and no more than this many times what effects leave of the recording as given: a convention has one
-/// number, they have several for each joint.
-inline constexpr double kAgainstEffects = 1.5;
-/// Misfits within this factor of the best are as good: their conventions are named together.
-inline constexpr double kAsGood = 1.1;
-/// Beyond this factor of the torque a model is not wrong but its torque is in another unit.
-inline constexpr double kNotOfTheModel = 2.5;
-/// Within this logarithm of a known unit's factor: the model may be wrong by 30 %, as its effects may.
-inline constexpr double kNearUnit = 0.4;
+inline constexpr double kFloor = 0.05;
+/// Share of a joint's load beyond which what is left is out of proportion for a model of the machine.
+inline constexpr double kOutOfProportion = 0.2;
+/// Of the fastest joint's velocity, what is a joint at rest that shakes with the other.
+inline constexpr double kAtRest = 0.01;
+/// On each joint that it changes, a convention has to leave as little of the load as machines leave of their
+/// models, or …
+inline constexpr double kAsMachines = 0.15;
+/// … this share of what the recording as given leaves: chance does not reach it. Over all joints it has …
+inline constexpr double kSmallPart = 0.4;
+/// … to leave no more than this share, on the mean, of what the recording as given leaves, …
+inline constexpr double kFarBetter = 0.75;
+/// … and to gain this share of what effects gain on the recording as given, in logarithms: they have several
+/// numbers for each joint, it has one at most.
+inline constexpr double kOfEffects = 0.75;
+/// What leaves no more than this many times what the best leaves is as good: they are named together.
+inline constexpr double kAsGood = 1.25;
 /// Gears of drives for joints end here.
 inline constexpr double kLargestGear = 250.0;
 /// An encoder's offset is less: it is an effect.
