@@ -126,7 +126,7 @@ TEST_CASE("units, signs and columns that are wrong are named") {
        [](Recording& r) { std::swap(r.torque_Nm[0], r.torque_Nm[1]); }},
       {"light_arm", "q1_rad and tau1_Nm are swapped",
        [](Recording& r) { std::swap(r.torque_Nm[0], r.position_rad[0]); }},
-      {"light_arm", "q1_rad is not zero where the segment is horizontal",
+      {"light_arm", "the zero of q1_rad is off by -1.57 rad (-90°)",
        [](Recording& r) {
          for (double& q : r.position_rad[0]) {
            q += 0.5 * std::numbers::pi;

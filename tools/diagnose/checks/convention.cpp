@@ -104,6 +104,21 @@ class Known {
     }
   }
 
+  std::vector<Convention> counts() {
+    constexpr int kFewestBits = 10, kMostBits = 24;
+    for (int joint = names_.joints > 1 ? kAll : 0; joint < names_.joints; ++joint) {
+      for (int bits = kFewestBits; bits <= kMostBits; ++bits) {
+        const double recorded = std::ldexp(1.0, bits) / kTurn;
+        addPositions(named(ConventionKind::kPositionUnit, joint,
+                           fmt::format("{} {} in counts of an encoder of {} bits", names_.position(joint),
+                                       names_.verb(joint), bits),
+                           fmt::format("{}·2π/2^{}", q(joint), bits), recorded),
+                     scaled(joint, 1.0 / recorded), unit());
+      }
+    }
+    return std::move(all_);
+  }
+
   std::vector<Convention> all() {
     for (int joint = names_.joints > 1 ? kAll : 0; joint < names_.joints; ++joint) {
       units(joint);
@@ -271,6 +286,10 @@ std::string ColumnNames::torque(int joint) const {
 
 std::vector<Convention> knownConventions(const ColumnNames& names) {
   return Known(names).all();
+}
+
+std::vector<Convention> encoderCounts(const ColumnNames& names) {
+  return Known(names).counts();
 }
 
 Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad) {

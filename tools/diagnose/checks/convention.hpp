@@ -63,6 +63,9 @@ struct ColumnNames {
 /// angles are there for each zero that a first joint may count from: horizontal, hanging, upright.
 std::vector<Convention> knownConventions(const ColumnNames& names);
 
+/// Angles as counts of encoders of usual resolutions.
+std::vector<Convention> encoderCounts(const ColumnNames& names);
+
 /// The zero of a joint's angle is `offset_rad` away from the model's.
 Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad);
 

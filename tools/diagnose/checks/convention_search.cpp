@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +19,8 @@ namespace {
 using namespace convention;
 
 constexpr int kAll = -1;
+/// Nobody reads more.
+constexpr std::size_t kMostTold = 6;
 
 /// A number on a grid, then between its best neighbours.
 struct Grid {
@@ -86,6 +90,45 @@ std::vector<int> eachAndAll(int joints) {
     chosen.push_back(joint);
   }
   return chosen;
+}
+
+// Units in which the model explains angles better than as given, and that make them smaller: the best, and
+// what is as good.
+std::vector<Convention> smallerAngles(const Reader& reader, const ColumnNames& names) {
+  const Reading given = reader.asGiven();
+  std::vector<ReadAs> better;
+  double most = 0.0;
+  std::vector<Convention> units = encoderCounts(names);
+  for (Convention& known : knownConventions(names)) {
+    units.push_back(std::move(known));
+  }
+  for (const Convention& convention : units) {
+    if (convention.kind == ConventionKind::kPositionUnit && convention.number > 1.0) {
+      ReadAs one{.convention = convention, .reading = reader.read(convention)};
+      most = std::max(most, gainOf(one, given));
+      better.push_back(std::move(one));
+    }
+  }
+  std::vector<Convention> smaller;
+  for (const ReadAs& one : better) {
+    if (gainOf(one, given) > std::max(0.0, most - std::log(kAsGood))) {
+      smaller.push_back(one.convention);
+    }
+  }
+  return smaller;
+}
+
+// " looks like q2_rad is in degrees (q2·π/180), or …"; empty where there is none.
+std::string told(std::span<const Convention> conventions) {
+  std::string look;
+  std::size_t count = 0;
+  for (const Convention& one : conventions) {
+    const std::string name = fmt::format("{} ({})", one.mistake, one.change);
+    if (count < kMostTold && look.find(name) == std::string::npos) {
+      look += (count++ == 0 ? " looks like " : ", or ") + name;
+    }
+  }
+  return look;
 }
 
 double percentExplained(double error) {
@@ -182,26 +225,20 @@ void requireConventions(const Recording& recording, const app::ModelDescription&
     joint = better(j) > better(joint) ? j : joint;
   }
   std::vector<Convention> conventions;
-  std::string look;
   for (const ReadAs& one : wrong) {
-    const std::string name = fmt::format("{} ({})", one.convention.mistake, one.convention.change);
-    if (look.find(name) == std::string::npos) {
-      look += (look.empty() ? "" : ", or ") + name;
-      conventions.push_back(one.convention);
-    }
+    conventions.push_back(one.convention);
   }
   throw WrongConvention(
-      fmt::format("{}: looks like {}: with {} the model explains {:.0f} % of the torque of joint {}, as "
-                  "given {:.0f} %",
-                  recording.name, look, best.convention.change, percentExplained(best.reading.error[joint]),
-                  joint + 1, percentExplained(given.error[joint])),
+      fmt::format("{}:{}: with {} the model explains {:.0f} % of the torque, as given {:.0f} % (joint {})",
+                  recording.name, told(conventions), best.convention.change,
+                  percentExplained(best.reading.error[joint]), percentExplained(given.error[joint]),
+                  joint + 1),
       conventions);
 }
 
 void requireAngles(const Recording& recording, const app::ModelDescription& model) {
   const ColumnNames names = columnNames(model);
   std::string beyond;
-  std::vector<Convention> conventions;
   for (int joint = 0; joint < recording.joints && names.revolute; ++joint) {
     const auto& q = recording.position_rad[static_cast<std::size_t>(joint)];
     const auto farthest =
@@ -211,26 +248,20 @@ void requireAngles(const Recording& recording, const app::ModelDescription& mode
                             beyond.empty() ? "" : "; ", joint + 1, *farthest,
                             recording.time_s[static_cast<std::size_t>(farthest - q.begin())],
                             likelyAngleUnit(std::abs(*farthest)));
-      conventions.push_back({.kind = ConventionKind::kPositionUnit, .joint = joint});
     }
   }
   if (beyond.empty()) {
     return;
   }
+  std::vector<Convention> smaller;
   // A machine may turn round and round, but not by what the model explains better in another unit.
   if (!recording.is_static) {
-    const Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
-    const Reading given = reader.asGiven();
-    bool better = false;
-    for (const Convention& convention : knownConventions(names)) {
-      better = better || (convention.kind == ConventionKind::kPositionUnit && convention.number > 1.0 &&
-                          gain(given.error, reader.read(convention).error) > 0.0);
-    }
-    if (!better) {
+    smaller = smallerAngles(Reader(Dataset(std::span(&recording, 1), kCoarse), model), names);
+    if (smaller.empty()) {
       return;
     }
   }
-  throw WrongConvention(fmt::format("{}: {}", recording.name, beyond), conventions);
+  throw WrongConvention(fmt::format("{}: {}{}", recording.name, beyond, told(smaller)), smaller);
 }
 
 }  // namespace patella::diagnose

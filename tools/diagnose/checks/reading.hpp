@@ -34,6 +34,8 @@ class Reader {
 
   int joints() const noexcept { return data_.joints(); }
   Reading asGiven() const;
+  /// rms of what a joint's errors are shares of, N·m.
+  double load_Nm(int joint) const { return loadOf(own_, data_.driveTorque(), joint); }
   Reading read(const Convention& convention) const;
 
  private:

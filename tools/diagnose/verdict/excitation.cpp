@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "tools/diagnose/checks/reading.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/search/selection.hpp"
@@ -21,8 +22,8 @@ constexpr double kPercent = 100.0;
 constexpr double kMostClipped = 0.05;
 constexpr double kLeastClipped = 0.002;
 constexpr double kSingleLine = 0.97;
-/// Share of a joint's inertial torque that a torque which never changes may fail to explain: a free swing has
-/// friction.
+/// Share of a joint's inertial torque that plain effects may fail to explain where the torque never changes:
+/// a leg that is let go swings by itself, but no leg that is driven.
 constexpr double kFreeSwing = 0.5;
 constexpr double kNarrowed = 0.8;
 constexpr double kPlainStrength = 3.0;
@@ -162,18 +163,21 @@ std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
   if (std::none_of(signals.begin(), signals.end(), [](const JointSignals& joint) { return joint.moves; })) {
     return "No joint moves: velocities and ranges are those of encoders at rest.";
   }
-  model::DynamicsModel dynamics = app::makeModel(model);
-  const Column missing = data.driveTorque() - data.modelTorque(dynamics);
+  const Reader reader(data, model);
+  const Reading reading = reader.asGiven();
+  const model::DynamicsModel dynamics = app::makeModel(model);
   const Column inertial = data.column({}, [&](const Series& series, std::size_t i) -> JointVector {
     return dynamics.mechanism().inertia(series.states[i].q) * series.acceleration[i];
   });
   for (int joint = 0; joint < data.joints(); ++joint) {
     const JointSignals& one = signals[static_cast<std::size_t>(joint)];
-    if (one.constant_torque && one.moves &&
-        jointRms(data, missing, joint) > kFreeSwing * jointRms(data, inertial, joint)) {
+    const double missing_Nm =
+        reading.error_with_effects[static_cast<std::size_t>(joint)] * reader.load_Nm(joint);
+    if (one.constant_torque && one.moves && missing_Nm > kFreeSwing * jointRms(data, inertial, joint)) {
       return fmt::format(
-          "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less.", joint + 1,
-          jointRms(data, missing, joint));
+          "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less than what "
+          "friction, a spring and other masses could make of it.",
+          joint + 1, missing_Nm);
     }
     if (one.clipped_share > kMostClipped) {
       return fmt::format(
