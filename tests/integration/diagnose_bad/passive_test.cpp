@@ -78,10 +78,14 @@ TEST_CASE("a leg that is let go tells its damping") {
 }
 
 TEST_CASE("a leg that is let go tells its stiffness, which moves it far from where the model has it") {
-  const Recording drop = dropped([](double q, double dq) { return -0.25 * dq - 12.0 * (q + 1.0); }, 12.0);
-  CHECK_NOTHROW(requirePlausible(std::span(&drop, 1), shank()));
-  const Diagnosis diagnosis = diagnosed(std::span(&drop, 1), shank());
-  CAPTURE(diagnosis.explanation);
-  CHECK(diagnosis.verdict == Verdict::kEffectFound);
-  CHECK(names(diagnosis, "linear_stiffness"));
+  for (const double stiffness_Nm_rad : {3.0, 6.0, 12.0}) {
+    CAPTURE(stiffness_Nm_rad);
+    const Recording drop =
+        dropped([=](double q, double dq) { return -0.25 * dq - stiffness_Nm_rad * (q + 1.0); }, 12.0);
+    CHECK_NOTHROW(requirePlausible(std::span(&drop, 1), shank()));
+    const Diagnosis diagnosis = diagnosed(std::span(&drop, 1), shank());
+    CAPTURE(diagnosis.explanation);
+    CHECK(diagnosis.verdict == Verdict::kEffectFound);
+    CHECK(names(diagnosis, "linear_stiffness"));
+  }
 }

@@ -197,7 +197,9 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
         return true;
       }
     }
-    return gainOf(one, given) < least;
+    return gainOf(one, given) < least ||
+           gain(one.reading.error, given.error_with_effects, kSensors) >
+               static_cast<double>(given.error.size()) * std::log(kTimesEffects);
   });
   std::sort(all.begin(), all.end(),
             [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });

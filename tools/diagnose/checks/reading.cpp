@@ -152,6 +152,11 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns, bool exch
       reading.error[j] = reading.error_with_effects[j] = 0.0;
     }
   }
+  if (exchanged && std::find(at_rest_.begin(), at_rest_.end(), true) != at_rest_.end()) {
+    // The column that moves is compared with itself.
+    std::reverse(reading.error.begin(), reading.error.end());
+    std::reverse(reading.error_with_effects.begin(), reading.error_with_effects.end());
+  }
   return reading;
 }
 

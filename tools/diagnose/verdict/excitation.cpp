@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include <Eigen/Dense>
@@ -24,7 +25,9 @@ constexpr double kLeastClipped = 0.002;
 constexpr double kSingleLine = 0.97;
 /// Share of a joint's inertial torque that plain effects may fail to explain where the torque never changes:
 /// a leg that is let go swings by itself, but no leg that is driven.
-constexpr double kFreeSwing = 0.5;
+constexpr double kFreeSwing = 0.25;
+/// Share of the effects looked for on a joint that do not show where the joint tells next to nothing.
+constexpr double kNearlyAll = 0.75;
 constexpr double kNarrowed = 0.8;
 constexpr double kPlainStrength = 3.0;
 /// Points of an effect's grid that are looked at: some have thousands.
@@ -151,6 +154,22 @@ std::string restingJoints(std::span<const JointSignals> signals) {
   return resting.empty() ? resting : resting + " does not move";
 }
 
+// A joint of which hardly any of the effects that were looked for would show; nothing where there is none.
+std::optional<std::size_t> untoldJoint(const Excitation& excitation, std::size_t joints) {
+  const auto count = [](const std::vector<std::string>& labels, std::size_t joint) {
+    const std::string end = fmt::format("@{}", joint + 1);
+    return static_cast<double>(std::count_if(labels.begin(), labels.end(),
+                                             [&](const std::string& label) { return label.ends_with(end); }));
+  };
+  for (std::size_t j = 0; j < joints; ++j) {
+    const double untold = count(excitation.not_identifiable, j);
+    if (untold > 0.0 && untold > kNearlyAll * (untold + count(excitation.identifiable, j))) {
+      return j;
+    }
+  }
+  return std::nullopt;
+}
+
 void refuse(Diagnosis& diagnosis, std::string explanation) {
   diagnosis.verdict = Verdict::kInsufficientExcitation;
   diagnosis.explanation = std::move(explanation);
@@ -254,6 +273,15 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
                                     resting));
       return;
     }
+  }
+  const bool named = !diagnosis.effects.empty() || diagnosis.verdict == Verdict::kInsufficientExcitation;
+  if (const auto joint = untoldJoint(diagnosis.excitation, signals.size());
+      joint && !named && !data.isStatic()) {
+    refuse(diagnosis,
+           fmt::format("Next to nothing that acts on joint {} would show: too little motion, or too "
+                       "much that is not explained. Nothing was found.",
+                       *joint + 1));
+    return;
   }
   const std::size_t plain = 4 * signals.size();
   if (diagnosis.verdict == Verdict::kNothingMissing && !data.isStatic()) {
