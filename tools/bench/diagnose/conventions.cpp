@@ -30,8 +30,8 @@ using diagnose::Recording;
 
 /// Share of each joint's load that a model may leave and still explain a recording.
 constexpr double kExplains = 0.3;
-/// A mistake that makes the model's error on every joint grow by less is one that nothing can tell: some fifty
-/// independent values in ten seconds know a root mean square to within a tenth.
+/// A mistake that makes the model's error on every joint grow by less is one that nothing can tell: some
+/// fifty independent values in ten seconds know a root mean square to within a tenth.
 constexpr double kGrows = 1.2;
 
 struct Source {

@@ -184,7 +184,8 @@ std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const C
 }
 
 std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given, const ColumnNames& names) {
-  if (std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
+  if (!reader.moves() ||
+      std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
     return {};
   }
   const double least =

@@ -173,6 +173,14 @@ std::vector<bool> Reader::restOf(const Columns& columns) const {
   return rest;
 }
 
+bool Reader::moves() const {
+  double fastest = 0.0;
+  for (int joint = 0; joint < data_.joints(); ++joint) {
+    fastest = std::max(fastest, jointRms(data_, own_.effects.col(joint * kPlainKinds + kViscous), joint));
+  }
+  return fastest > kLeastVelocity_rad_s;
+}
+
 Reading Reader::asGiven() const {
   return readingOf(data_, own_, false);
 }

@@ -33,6 +33,7 @@ class Reader {
   Reader(Dataset data, const app::ModelDescription& model);
 
   int joints() const noexcept { return data_.joints(); }
+  bool moves() const;
   Reading asGiven() const;
   /// rms of what a joint's errors are shares of, N·m.
   double load_Nm(int joint) const { return loadOf(own_, data_.driveTorque(), joint); }
