@@ -93,12 +93,15 @@ std::vector<int> eachAndAll(int joints) {
 }
 
 // Units in which the model explains angles better than as given, and that make them smaller: the best, and
-// what is as good.
-std::vector<Convention> smallerAngles(const Reader& reader, const ColumnNames& names) {
+// what is as good; `counts`: those of encoders, too.
+std::vector<Convention> smallerAngles(const Reader& reader, const ColumnNames& names, bool counts) {
   const Reading given = reader.asGiven();
   std::vector<ReadAs> better;
   double most = 0.0;
-  std::vector<Convention> units = encoderCounts(names);
+  std::vector<Convention> units;
+  if (counts) {
+    units = encoderCounts(names);
+  }
   for (Convention& known : knownConventions(names)) {
     units.push_back(std::move(known));
   }
@@ -242,10 +245,12 @@ void requireConventions(const Recording& recording, const app::ModelDescription&
 void requireAngles(const Recording& recording, const app::ModelDescription& model) {
   const ColumnNames names = columnNames(model);
   std::string beyond;
+  double largest = 0.0;
   for (int joint = 0; joint < recording.joints && names.revolute; ++joint) {
     const auto& q = recording.position_rad[static_cast<std::size_t>(joint)];
     const auto farthest =
         std::max_element(q.begin(), q.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    largest = std::max(largest, std::abs(*farthest));
     if (std::abs(*farthest) > kLargestAngle_rad) {
       beyond += fmt::format("{}q{}_rad is {:.4g} at {:.4g} s, expected within ±4π rad; is it in {}?",
                             beyond.empty() ? "" : "; ", joint + 1, *farthest,
@@ -259,7 +264,9 @@ void requireAngles(const Recording& recording, const app::ModelDescription& mode
   std::vector<Convention> smaller;
   // A machine may turn round and round, but not by what the model explains better in another unit.
   if (!recording.is_static) {
-    smaller = smallerAngles(Reader(Dataset(std::span(&recording, 1), kCoarse), model), names);
+    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    smaller = smallerAngles(Reader(Dataset(std::span(&recording, 1), kCoarse), model), names,
+                            largest > kLargestAngle_rad * kDegrees);
     if (smaller.empty()) {
       return;
     }

@@ -34,8 +34,8 @@ inline constexpr double kFarBetter = 0.75;
 /// … and to gain this share of what effects gain on the recording as given, in logarithms: they have several
 /// numbers for each joint, it has one at most.
 inline constexpr double kOfEffects = 0.75;
-/// What effects leave is not left by a convention so many times over, on the mean of the joints: a spring that
-/// looks like a zero looks like it in a part of the motion only. …
+/// What effects leave is not left by a convention so many times over, on the mean of the joints: a spring
+/// that looks like a zero looks like it in a part of the motion only. …
 inline constexpr double kTimesEffects = 5.0;
 /// … Of the load, what good sensors leave of a machine that is known to the last.
 inline constexpr double kSensors = 0.003;
