@@ -150,7 +150,7 @@ TEST_CASE("units of torque are told from the model and the motion") {
   checkAll({
       {"kN·m", "knee", [](Table& t) { t.scaleTorque(1e-3); }, "kN·m"},
       {"kN·m", "light_arm", [](Table& t) { t.scaleTorque(1e-3); }, "kN·m"},
-      {"kN·m, one joint", "light_arm", [](Table& t) { scale(t.tau(1), 1e-3); }, "tau2_Nm: "},
+      {"kN·m, one joint", "light_arm", [](Table& t) { scale(t.tau(1), 1e-3); }, "tau2_Nm is in kN·m"},
       {"mN·m", "knee", [](Table& t) { t.scaleTorque(1e3); }, "mN·m"},
       {"mN·m", "light_arm", [](Table& t) { t.scaleTorque(1e3); }, "mN·m"},
       {"N·cm", "knee", [](Table& t) { t.scaleTorque(100.0); }, "N·cm"},

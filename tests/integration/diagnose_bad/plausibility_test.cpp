@@ -1,5 +1,6 @@
 #include "tools/diagnose/checks/plausibility.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -22,6 +23,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string refusal(const Recording& recording, const app::ModelDescription& model) {
   return messageOf<std::invalid_argument>([&] { requirePlausible(std::span(&recording, 1), model); });
+}
+
+// What is recorded comes so many rows after what acted.
+void delay(std::vector<double>& values, std::size_t rows) {
+  std::copy_backward(values.begin(), values.end() - static_cast<std::ptrdiff_t>(rows), values.end());
 }
 
 bool says(const std::string& message, const std::string& phrase) {
@@ -126,10 +132,31 @@ TEST_CASE("units, signs and columns that are wrong are named") {
        [](Recording& r) { std::swap(r.torque_Nm[0], r.torque_Nm[1]); }},
       {"light_arm", "q1_rad and tau1_Nm are swapped",
        [](Recording& r) { std::swap(r.torque_Nm[0], r.position_rad[0]); }},
-      {"light_arm", "q1_rad is not zero where the segment is horizontal",
+      {"light_arm", "the zero of q1_rad is off by -1.57 rad (-90°)",
        [](Recording& r) {
          for (double& q : r.position_rad[0]) {
            q += 0.5 * std::numbers::pi;
+         }
+       }},
+      {"light_arm", "the zero of q2_rad is off by 0.7",
+       [](Recording& r) {
+         for (double& q : r.position_rad[1]) {
+           q -= 0.7;
+         }
+       }},
+      {"light_arm", "ms too late", [](Recording& r) { delay(r.torque_Nm[1], 80); }},
+      {"light_arm", "tau2_Nm is measured before a gear of about",
+       [](Recording& r) { scale(r.torque_Nm[1], 1.0 / 6.0); }},
+      {"light_arm", "gravity is of the other sign",
+       [](Recording& r) {
+         for (double& q : r.position_rad[0]) {
+           q += std::numbers::pi;
+         }
+       }},
+      {"light_arm", "q1_rad is of the other sign",
+       [](Recording& r) {
+         for (double& q : r.position_rad[0]) {
+           q = -std::numbers::pi - q;
          }
        }},
       {"knee", "q1_rad is converted from degrees twice",
@@ -146,10 +173,11 @@ TEST_CASE("units, signs and columns that are wrong are named") {
     REQUIRE_NOTHROW(requirePlausible(std::span(&recording, 1), rig.model()));
     spoilt.spoil(recording);
     const std::string message = refusal(recording, rig.model());
-    CAPTURE(spoilt.named);
+    const std::string named = spoilt.named;
+    CAPTURE(named);
     CAPTURE(message);
     CHECK(says(message, "run.csv: looks like "));
-    CHECK(says(message, spoilt.named));
+    CHECK(says(message, named));
     CHECK(says(message, "% of the torque, as given "));
   }
 }

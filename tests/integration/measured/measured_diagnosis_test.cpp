@@ -178,3 +178,21 @@ TEST_CASE("passive knee: the double exponential with its dependence on the hip")
     CHECK(diagnosis.after.heldout_rms_Nm[1] < 0.25 * diagnosis.before.heldout_rms_Nm[1]);
   }
 }
+
+TEST_CASE("a free pendulum, under no torque all along, tells its friction") {
+  const Diagnosis diagnosis = diagnose::diagnose(
+      load({"measured/multiarm_pendulum/map_single_free_1kHz.csv"}, "free_pendulum.toml", 1), {},
+      app::loadModel(kMaps / "free_pendulum_model.toml"), {});
+  CHECK(diagnosis.verdict != Verdict::kInsufficientExcitation);
+  CHECK((find(diagnosis, "viscous_friction", 0) != nullptr ||
+         find(diagnosis, "coulomb_friction", 0) != nullptr));
+  CHECK(diagnosis.after.heldout_rms_Nm[0] < diagnosis.before.heldout_rms_Nm[0]);
+}
+
+TEST_CASE("an arm that hardly moves, one joint of it without current, tells next to nothing") {
+  const Diagnosis diagnosis =
+      diagnose::diagnose(load({"measured/dfki_double_pendulum_c1/c1_144003.csv"}, "double_pendulum.toml", 2),
+                         {}, app::loadModel(kSource / "firmware_app/config/models/double_pendulum.toml"), {});
+  CHECK(diagnosis.verdict == Verdict::kInsufficientExcitation);
+  CHECK(diagnosis.effects.empty());
+}

@@ -37,6 +37,7 @@ TEST_CASE("each doubt alone makes of either answer what is written here") {
       Row{Doubt::kHeldOutWorse, kUnknown, kUnknown},
       Row{Doubt::kRestingTorque, kPoor, kPoor},
       Row{Doubt::kRecordingsDisagree, kUnknown, kUnknown},
+      Row{Doubt::kJointUntold, kFound, kPoor},
       Row{Doubt::kUnexplained, kUnknown, kUnknown},
       Row{Doubt::kOutweighed, kFound, kUnknown},
       Row{Doubt::kSingleSinusoids, kPoor, kNone},

@@ -19,6 +19,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
+#include "tools/bench/diagnose/conventions.hpp"
 #include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/diagnose/diagnose.hpp"
@@ -60,7 +61,9 @@ constexpr const char* kRules = R"(Rules
   the damping that the model declares, which is within two standard deviations of it.
 Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And planted:
   halves of measured recordings with the model that the other half led to, plain or with a drawn effect added to the
-  measured torque.)";
+  measured torque. And conventions: measured recordings as they are and with one wrong convention each, with the
+  makers' model, plain and with fitted friction. Named: refused with the right convention among those
+  named; wrong: refused with others only.)";
 
 Suite suiteOf(const std::string& name, std::size_t index) {
   if (name == "all") {
@@ -247,9 +250,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->capture_default_str();
   app.add_option("--first", options.first, "number of the first case of the seed")->capture_default_str();
   app.add_option("--suite", options.suite, "what is missing")
-      ->check(CLI::IsMember({"single", "double", "none", "unknown", "all", "planted"}))
+      ->check(CLI::IsMember({"single", "double", "none", "unknown", "all", "planted", "conventions"}))
       ->capture_default_str();
-  app.add_option("--data", options.data, "folder of measured recordings, for the suite planted")
+  app.add_option("--data", options.data,
+                 "folder of measured recordings, for the suites planted and conventions")
       ->check(CLI::ExistingDirectory);
   app.add_option("--threads", options.threads, "cases at once")
       ->check(CLI::PositiveNumber)
@@ -270,11 +274,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
   app.add_flag("--evidence", options.by_evidence,
                "decide by one score, the evidence, instead of by gates; told what the person pushes with");
-  app.add_flag("--draw-only", options.draw_only, "diagnose nothing");
+  app.add_flag("--draw-only", options.draw_only,
+               "diagnose nothing; of the suite conventions, judge the columns only");
   try {
     app.parse(argc, argv);
-    if ((options.suite == "planted") == options.data.empty()) {
-      throw CLI::ValidationError("--data", "belongs to the suite planted, which needs it");
+    const bool measured = options.suite == "planted" || options.suite == "conventions";
+    if (measured == options.data.empty()) {
+      throw CLI::ValidationError("--data", "belongs to the suites planted and conventions, which need it");
     }
     if (options.recordings && options.out.empty()) {
       throw CLI::ValidationError("--recordings", "needs --out");
@@ -290,6 +296,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                                .cases = options.cases,
                                .seed = options.seed,
                                .by_evidence = options.by_evidence});
+    } else if (options.suite == "conventions") {
+      std::cout << runConventions({.data = options.data,
+                                   .source = PATELLA_SOURCE_DIR,
+                                   .out = options.out,
+                                   .cases = options.cases,
+                                   .seed = options.seed,
+                                   .judge_only = options.draw_only});
     } else {
       runAll(options);
     }

@@ -368,6 +368,14 @@ Eigen::MatrixXd Dataset::regressor(const model::Mechanism& mechanism, const Join
   return columns;
 }
 
+Dataset Dataset::changed(const std::function<void(Series&)>& change) const {
+  Dataset other = *this;
+  for (Series& series : other.series_) {
+    change(series);
+  }
+  return other;
+}
+
 Eigen::VectorXd Dataset::variable(const std::function<double(const Series&, std::size_t)>& value) const {
   Eigen::VectorXd result(rows_);
   for (std::size_t s = 0; s < series_.size(); ++s) {

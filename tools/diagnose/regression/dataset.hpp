@@ -94,6 +94,8 @@ class Dataset {
   Column askedEffectTorque(model::Effect& effect) const;
   /// Columns of the mechanism's regressor, as if it stood at q + offset where q is measured; as Columns.
   Eigen::MatrixXd regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const;
+  /// The same rows with the states of every series changed: read in another way. Their number and rate stay.
+  Dataset changed(const std::function<void(Series&)>& change) const;
   /// A variable of one joint's state through the band, as `rows()` values.
   Eigen::VectorXd variable(const std::function<double(const Series&, std::size_t)>& value) const;
   /// Time of each row, s.

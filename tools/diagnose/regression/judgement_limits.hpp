@@ -7,17 +7,53 @@ namespace patella::diagnose {
 /// as it was; Dataset limits its band to it.
 inline constexpr double kBandShareOfRate = 0.15;
 
-/// Units of torque, where friction leaves a wrong unit too much unexplained for it to be believed otherwise.
-namespace torque_units {
-/// Beyond this factor a model is not wrong but its torque is in another unit: masses are known better.
-inline constexpr double kNotOfTheModel = 3.0;
-/// Within this logarithm of a known unit's factor: the model may be wrong by 30 %, as its effects may.
-inline constexpr double kNearUnit = 0.4;
-/// Share of the torque, less what friction and a bias explain, that goes with the model's.
-inline constexpr double kGoesWithModel = 0.5;
-/// The same where another joint's torque is in order, and a drive without current would be an explanation.
-inline constexpr double kOneAlone = 0.9;
-}  // namespace torque_units
+/// Conventions: units, signs, order, zeros and clocks of the columns. A hypothesis is a way to read the
+/// recording; its misfit is what the model, within what is known of its masses, and rubbing leave of each
+/// joint's load.
+namespace convention {
+/// Relative, of the model's parameters: what people know of masses and their places.
+inline constexpr double kOwnRange = 0.3;
+/// Factor by which a model of another leg, or one with a payload, may be wrong: that is no convention. A
+/// torque that is wrong by more is in another unit.
+inline constexpr double kOtherLeg = 2.5;
+/// Share of a joint's load that the best models of machines leave: what is less counts as much as none.
+inline constexpr double kFloor = 0.05;
+/// Share of a joint's load beyond which what is left is out of proportion for a model of the machine.
+inline constexpr double kOutOfProportion = 0.2;
+/// A machine of which no joint is faster is at rest, and says nothing.
+inline constexpr double kLeastVelocity_rad_s = 1e-3;
+/// Of the fastest joint's velocity, what is a joint at rest that shakes with the other.
+inline constexpr double kAtRest = 0.01;
+/// On each joint that it changes, a convention has to leave as little of the load as machines leave of their
+/// models, or …
+inline constexpr double kAsMachines = 0.15;
+/// … this share of what the recording as given leaves: chance does not reach it. Over all joints it has …
+inline constexpr double kSmallPart = 0.4;
+/// … to leave no more than this share, on the mean, of what the recording as given leaves, …
+inline constexpr double kFarBetter = 0.75;
+/// … and to gain this share of what effects gain on the recording as given, in logarithms: they have several
+/// numbers for each joint, it has one at most.
+inline constexpr double kOfEffects = 0.75;
+/// What effects leave is not left by a convention so many times over, on the mean of the joints: a spring
+/// that looks like a zero looks like it in a part of the motion only. …
+inline constexpr double kTimesEffects = 5.0;
+/// … Of the load, what good sensors leave of a machine that is known to the last.
+inline constexpr double kSensors = 0.003;
+/// What leaves no more than this many times what the best leaves is as good: they are named together.
+inline constexpr double kAsGood = 1.25;
+/// Gears of drives for joints end here.
+inline constexpr double kLargestGear = 250.0;
+/// An encoder's offset is less: it is an effect.
+inline constexpr double kLeastZero_rad = 0.15;
+/// Zeros this near to each other have the same name.
+inline constexpr double kSameZero_rad = 0.15;
+/// A drive is less late: that is an effect.
+inline constexpr double kLeastShift_s = 0.015;
+/// Columns that are farther apart are of two recordings.
+inline constexpr double kFarthestShift_s = 0.25;
+/// Two turns: most joints end before.
+inline constexpr double kLargestAngle_rad = 12.566;
+}  // namespace convention
 
 /// What of long recordings is analysed.
 namespace length {

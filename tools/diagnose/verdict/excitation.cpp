@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "tools/diagnose/checks/reading.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/verdict/detector.hpp"
 
@@ -19,9 +21,11 @@ constexpr double kPercent = 100.0;
 constexpr double kMostClipped = 0.05;
 constexpr double kLeastClipped = 0.002;
 constexpr double kSingleLine = 0.97;
-/// Share of a joint's inertial torque that a torque which never changes may fail to explain: a free swing has
-/// friction.
-constexpr double kFreeSwing = 0.5;
+/// Share of a joint's inertial torque that plain effects may fail to explain where the torque never changes:
+/// a leg that is let go swings by itself, but no leg that is driven.
+constexpr double kFreeSwing = 0.25;
+/// Share of the effects looked for on a joint that do not show where the joint tells next to nothing.
+constexpr double kNearlyAll = 0.75;
 constexpr double kNarrowed = 0.8;
 constexpr double kPlainStrength = 3.0;
 /// Share of its torque that the model may fail to explain on a joint at rest.
@@ -76,6 +80,22 @@ std::string restingJoints(std::span<const JointSignals> signals) {
   return resting.empty() ? resting : resting + " does not move";
 }
 
+// A joint of which hardly any of the effects that were looked for would show; nothing where there is none.
+std::optional<std::size_t> untoldJoint(const Excitation& excitation, std::size_t joints) {
+  const auto count = [](const std::vector<std::string>& labels, std::size_t joint) {
+    const std::string end = fmt::format("@{}", joint + 1);
+    return static_cast<double>(std::count_if(labels.begin(), labels.end(),
+                                             [&](const std::string& label) { return label.ends_with(end); }));
+  };
+  for (std::size_t j = 0; j < joints; ++j) {
+    const double untold = count(excitation.not_identifiable, j);
+    if (untold > 0.0 && untold > kNearlyAll * (untold + count(excitation.identifiable, j))) {
+      return j;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
@@ -83,18 +103,21 @@ std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
   if (std::none_of(signals.begin(), signals.end(), [](const JointSignals& joint) { return joint.moves; })) {
     return "No joint moves: velocities and ranges are those of encoders at rest.";
   }
-  model::DynamicsModel dynamics = app::makeModel(model);
-  const Column missing = data.driveTorque() - data.modelTorque(dynamics);
+  const Reader reader(data, model);
+  const Reading reading = reader.asGiven();
+  const model::DynamicsModel dynamics = app::makeModel(model);
   const Column inertial = data.column({}, [&](const Series& series, std::size_t i) -> JointVector {
     return dynamics.mechanism().inertia(series.states[i].q) * series.acceleration[i];
   });
   for (int joint = 0; joint < data.joints(); ++joint) {
     const JointSignals& one = signals[static_cast<std::size_t>(joint)];
-    if (one.constant_torque && one.moves &&
-        jointRms(data, missing, joint) > kFreeSwing * jointRms(data, inertial, joint)) {
+    const double missing_Nm =
+        reading.error_with_effects[static_cast<std::size_t>(joint)] * reader.load_Nm(joint);
+    if (one.constant_torque && one.moves && missing_Nm > kFreeSwing * jointRms(data, inertial, joint)) {
       return fmt::format(
-          "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less.", joint + 1,
-          jointRms(data, missing, joint));
+          "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less than what "
+          "friction, a spring and other masses could make of it.",
+          joint + 1, missing_Nm);
     }
     if (one.clipped_share > kMostClipped) {
       return fmt::format(
@@ -172,6 +195,13 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
         {Doubt::kJointAtRest, fmt::format("{}: whether anything is missing there cannot be told. Nothing was "
                                           "found to be missing elsewhere.",
                                           resting)});
+  }
+  if (const auto joint = untoldJoint(diagnosis.excitation, signals.size())) {
+    diagnosis.doubts.push_back(
+        {Doubt::kJointUntold,
+         fmt::format("Next to nothing that acts on joint {} would show: too little motion, or too much that "
+                     "is not explained. Nothing was found.",
+                     *joint + 1)});
   }
   const std::size_t plain = 4 * signals.size();
   if (const std::size_t unseen = plainEffectsUnseen(detector, data); 2 * unseen > plain) {

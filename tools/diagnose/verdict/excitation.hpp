@@ -28,8 +28,8 @@ struct JointSignals {
 std::vector<JointSignals> jointSignals(std::span<const Recording> recordings);
 
 /// Why these recordings tell nothing, whatever effects are considered: no joint moves, a torque that does not
-/// change though the motion takes it, torque that is cut off in more than 5 % of the rows. Empty where they
-/// may.
+/// change though no passive machine moves so, torque that is cut off in more than 5 % of the rows. Empty
+/// where they may.
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
                      const app::ModelDescription& model);
 
@@ -40,7 +40,8 @@ void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis)
 /// Fills in what a diagnosis could have found: effects that would stand out from chance if their torque were
 /// as large as the noise (rms), and nominal parameters that the recordings narrowed. Adds a doubt where an
 /// answer would rest on more than the motion tells: a joint does not move; most of the plainest effects would
-/// not show at three times the noise; two or more effects were found under single sinusoids; torque and
+/// not show at three times the noise; next to nothing that acts on one of
+/// the joints would show; two or more effects were found under single sinusoids; torque and
 /// encoder of a joint at rest contradict each other.
 void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data, const ModelFit& fit,
                      const Atoms& atoms, double nominal_tolerance, Diagnosis& diagnosis);

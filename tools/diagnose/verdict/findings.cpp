@@ -88,6 +88,8 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
       return "resting_torque";
     case Doubt::kRecordingsDisagree:
       return "recordings_disagree";
+    case Doubt::kJointUntold:
+      return "joint_untold";
     case Doubt::kUnexplained:
       return "unexplained";
     case Doubt::kOutweighed:

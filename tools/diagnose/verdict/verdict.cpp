@@ -24,6 +24,7 @@ constexpr std::array kRules{
     Rule{Doubt::kHeldOutWorse, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kRestingTorque, Against::kEveryAnswer, Verdict::kInsufficientExcitation},
     Rule{Doubt::kRecordingsDisagree, Against::kEveryAnswer, Verdict::kUnknownEffect},
+    Rule{Doubt::kJointUntold, Against::kNothing, Verdict::kInsufficientExcitation},
     Rule{Doubt::kUnexplained, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kOutweighed, Against::kNothing, Verdict::kUnknownEffect},
     Rule{Doubt::kSingleSinusoids, Against::kEffects, Verdict::kInsufficientExcitation},

@@ -1,0 +1,184 @@
+// What the judgement of conventions promises: each changes states as its words say, the right one explains a
+// recording that was made with it, and none is found in a recording that the model explains.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tools/diagnose/checks/convention_search.hpp"
+#include "tools/diagnose/regression/judgement_limits.hpp"
+
+using namespace patella;
+using namespace patella::diagnose;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+app::ModelDescription arm() {
+  return {.mechanism = model::PlanarTwoLinkParameters{.mass_kg = {0.6, 0.5},
+                                                      .length_m = {0.2, 0.25},
+                                                      .com_m = {0.15, 0.2},
+                                                      .inertia_kg_m2 = {0.01, 0.008},
+                                                      .gravity_m_s2 = 9.81},
+          .effects = {}};
+}
+
+// An arm that swings below its shoulder, both joints with some dry friction.
+Recording swinging() {
+  constexpr double kRate_Hz = 200.0, kFriction_Nm = 0.05;
+  const model::DynamicsModel dynamics = app::makeModel(arm());
+  Recording recording;
+  recording.name = "arm.csv";
+  recording.rate_Hz = kRate_Hz;
+  recording.joints = 2;
+  recording.torque_timing = TorqueTiming::kSampled;
+  for (int i = 0; i < 2400; ++i) {
+    const double t = i / kRate_Hz;
+    const auto sine = [t](double size, double frequency_Hz, double phase, int derivative) {
+      const double w = 2.0 * kPi * frequency_Hz;
+      return size * std::pow(w, derivative) * std::sin(w * t + phase + 0.5 * kPi * derivative);
+    };
+    model::EffectInput state;
+    JointVector ddq(2);
+    state.q.resize(2);
+    state.dq.resize(2);
+    state.torque_Nm.setZero(2);
+    state.q << -0.5 * kPi + sine(0.8, 0.31, 0.0, 0) + sine(0.3, 0.83, 1.0, 0),
+        0.2 + sine(0.9, 0.43, 2.0, 0) + sine(0.3, 1.07, 0.5, 0);
+    state.dq << sine(0.8, 0.31, 0.0, 1) + sine(0.3, 0.83, 1.0, 1),
+        sine(0.9, 0.43, 2.0, 1) + sine(0.3, 1.07, 0.5, 1);
+    ddq << sine(0.8, 0.31, 0.0, 2) + sine(0.3, 0.83, 1.0, 2),
+        sine(0.9, 0.43, 2.0, 2) + sine(0.3, 1.07, 0.5, 2);
+    const JointVector torque = dynamics.inverseDynamics(state, ddq);
+    recording.time_s.push_back(t);
+    for (int joint = 0; joint < 2; ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      recording.position_rad[j].push_back(state.q[joint]);
+      recording.torque_Nm[j].push_back(torque[joint] + kFriction_Nm * std::tanh(20.0 * state.dq[joint]));
+    }
+  }
+  recording.segments = {{.first = 0, .end = recording.rows()}};
+  return recording;
+}
+
+std::vector<ReadAs> wrongIn(const Recording& recording) {
+  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  return wrongConventions(reader, reader.asGiven(), columnNames(arm()));
+}
+
+bool holds(const std::vector<ReadAs>& found, ConventionKind kind, int joint, double number = 0.0,
+           double within = 1e300) {
+  return std::any_of(found.begin(), found.end(), [&](const ReadAs& one) {
+    return one.convention.kind == kind && one.convention.joint == joint &&
+           std::abs(one.convention.number - number) < within;
+  });
+}
+
+void map(std::vector<double>& values, const std::function<double(double)>& change) {
+  std::transform(values.begin(), values.end(), values.begin(), change);
+}
+
+std::vector<double> later(const std::vector<double>& values, std::size_t rows) {
+  std::vector<double> shifted(values.size(), values.front());
+  std::copy(values.begin(), values.end() - static_cast<std::ptrdiff_t>(rows),
+            shifted.begin() + static_cast<std::ptrdiff_t>(rows));
+  return shifted;
+}
+
+}  // namespace
+
+TEST_CASE("a recording in the model's own conventions has no better ones") {
+  CHECK(wrongIn(swinging()).empty());
+}
+
+TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint and size") {
+  Recording recording = swinging();
+  SUBCASE("sign of a torque: friction that drives gives it away") {
+    map(recording.torque_Nm[0], [](double tau) { return -tau; });
+    CHECK(holds(wrongIn(recording), ConventionKind::kTorqueSign, 0));
+  }
+  SUBCASE("sign of a position that counts from hanging") {
+    map(recording.position_rad[0], [](double q) { return -kPi - q; });
+    CHECK(holds(wrongIn(recording), ConventionKind::kPositionSign, 0));
+  }
+  SUBCASE("degrees that count from hanging") {
+    map(recording.position_rad[0], [](double q) { return (q + 0.5 * kPi) * 180.0 / kPi - 0.5 * kPi; });
+    CHECK(holds(wrongIn(recording), ConventionKind::kPositionUnit, 0));
+  }
+  SUBCASE("torque before the gear") {
+    map(recording.torque_Nm[1], [](double tau) { return tau / 6.0; });
+    CHECK(holds(wrongIn(recording), ConventionKind::kTorqueUnit, 1, 1.0 / 6.0, 0.06));
+  }
+  SUBCASE("gravity's sign, which is the zero of the first angle off by half a turn") {
+    map(recording.position_rad[0], [](double q) { return q + kPi; });
+    const std::vector<ReadAs> found = wrongIn(recording);
+    CHECK(std::any_of(found.begin(), found.end(), [](const ReadAs& one) {
+      return one.convention.kind == ConventionKind::kZero && one.convention.joint == 0 &&
+             one.convention.mistake.find("gravity is of the other sign") != std::string::npos;
+    }));
+  }
+  SUBCASE("a zero off by some angle") {
+    map(recording.position_rad[1], [](double q) { return q - 0.6; });
+    CHECK(holds(wrongIn(recording), ConventionKind::kZero, 1, 0.6, 0.1));
+  }
+  SUBCASE("a torque that comes too late") {
+    recording.torque_Nm[1] = later(recording.torque_Nm[1], 20);
+    CHECK(holds(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.1, 0.02));
+  }
+}
+
+TEST_CASE("joints that were exchanged are named by what was") {
+  Recording recording = swinging();
+  std::swap(recording.torque_Nm[0], recording.torque_Nm[1]);
+  CHECK(holds(wrongIn(recording), ConventionKind::kTorquesExchanged, -1));
+  std::swap(recording.position_rad[0], recording.position_rad[1]);
+  CHECK(holds(wrongIn(recording), ConventionKind::kJointsExchanged, -1));
+}
+
+TEST_CASE("a joint that is plainly wrong does not hide behind one whose torque is a hundred times as large") {
+  Recording recording = swinging();
+  const Reader right(Dataset(std::span(&recording, 1), kCoarse), arm());
+  map(recording.torque_Nm[1], [](double tau) { return -tau; });
+  const Reader wrong(Dataset(std::span(&recording, 1), kCoarse), arm());
+  CHECK(wrong.asGiven().error[0] < 1.5 * right.asGiven().error[0] + convention::kFloor);
+  CHECK(wrong.asGiven().error[1] > 1.0);
+  const std::vector<ReadAs> found = wrongIn(recording);
+  CHECK(holds(found, ConventionKind::kTorqueSign, 1));
+  CHECK_FALSE(holds(found, ConventionKind::kTorqueSign, -1));
+}
+
+TEST_CASE("a joint without torque is judged by its load") {
+  Recording recording = swinging();
+  map(recording.torque_Nm[1], [](double) { return 0.0; });
+  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  const Reading given = reader.asGiven();
+  CHECK(std::isfinite(given.error[1]));
+  CHECK(given.error[1] <= 1.5);
+  CHECK(reader.load_Nm(1) > 0.1);
+}
+
+TEST_CASE("a joint at rest says nothing of itself") {
+  Recording recording = swinging();
+  map(recording.position_rad[1], [](double) { return 0.2; });
+  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  CHECK(reader.asGiven().error[1] == 0.0);
+}
+
+TEST_CASE("the one that went wrong is told with what it explains, and all that are as good are handed over") {
+  Recording recording = swinging();
+  map(recording.torque_Nm[1], [](double tau) { return -tau; });
+  try {
+    requireConventions(recording, arm());
+    FAIL("was believed");
+  } catch (const WrongConvention& wrong) {
+    const std::string words = wrong.what();
+    CHECK(words.find("arm.csv: looks like tau2_Nm is of the other sign (−tau2)") == 0);
+    CHECK(words.find("% of the torque, as given -") != std::string::npos);
+    CHECK_FALSE(wrong.conventions().empty());
+  }
+}

@@ -1,0 +1,365 @@
+#include "tools/diagnose/checks/convention.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/signals/signals.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr int kAll = -1;
+
+struct Unit {
+  const char* name;    ///< "in degrees"
+  const char* change;  ///< "·π/180"
+  double recorded;     ///< number for one radian, newton metre, metre or newton
+};
+constexpr std::array kAngleUnits{Unit{"in degrees", "·π/180", 1.0 / kDegree},
+                                 Unit{"converted from degrees twice", "·180/π", kDegree},
+                                 Unit{"in turns", "·2π", 1.0 / kTurn}, Unit{"in milliradians", "/1000", 1e3}};
+constexpr std::array kLengthUnits{Unit{"in millimetres", "/1000", 1e3}};
+constexpr std::array kTorqueUnits{Unit{"in MN·m", "·10⁶", 1e-6},
+                                  Unit{"in kN·m", "·1000", 1e-3},
+                                  Unit{"too small by 180/π", "·180/π", kDegree},
+                                  Unit{"in kgf·m", "·9.81", 1.0 / 9.80665},
+                                  Unit{"in lbf·in", "·0.113", 1.0 / 0.1129848},
+                                  Unit{"in kgf·cm", "·0.0981", 1.0 / 0.0980665},
+                                  Unit{"too large by 180/π", "·π/180", 1.0 / kDegree},
+                                  Unit{"in N·cm", "/100", 1e2},
+                                  Unit{"in ozf·in", "·0.00706", 1.0 / 0.00706155},
+                                  Unit{"in mN·m or N·mm", "/1000", 1e3},
+                                  Unit{"in µN·m", "/10⁶", 1e6}};
+constexpr std::array kForceUnits{Unit{"in kN", "·1000", 1e-3}, Unit{"in kgf", "·9.81", 1.0 / 9.80665},
+                                 Unit{"in lbf", "·4.45", 1.0 / 4.44822}, Unit{"in mN", "/1000", 1e3}};
+
+std::string q(int joint) {
+  return joint < 0 ? "all q" : fmt::format("q{}", joint + 1);
+}
+
+std::string tau(int joint) {
+  return joint < 0 ? "all tau" : fmt::format("tau{}", joint + 1);
+}
+
+bool of(int joint, Eigen::Index index) {
+  return joint == kAll || joint == index;
+}
+
+// Positions that are turned, scaled or mixed about a zero of their own.
+void turnPositions(Series& series, const JointMatrix& matrix, const JointVector& zero) {
+  for (std::size_t i = 0; i < series.states.size(); ++i) {
+    model::EffectInput& state = series.states[i];
+    state.q = (matrix * (state.q - zero) + zero).eval();
+    state.dq = (matrix * state.dq).eval();
+    series.acceleration[i] = (matrix * series.acceleration[i]).eval();
+  }
+}
+
+void turnTorques(Series& series, const JointMatrix& matrix) {
+  for (model::EffectInput& state : series.states) {
+    state.torque_Nm = (matrix * state.torque_Nm).eval();
+  }
+}
+
+// One joint's signal as samples, to be differentiated.
+std::vector<double> torqueOf(const Series& series, Eigen::Index joint) {
+  std::vector<double> torque;
+  torque.reserve(series.states.size());
+  for (const model::EffectInput& state : series.states) {
+    torque.push_back(state.torque_Nm[joint]);
+  }
+  return torque;
+}
+
+void exchangeColumns(Series& series, Eigen::Index joint) {
+  const std::vector<double> position = torqueOf(series, joint);
+  const std::vector<double> velocity = offline::derivative(position, series.rate_Hz);
+  const std::vector<double> acceleration = offline::derivative(velocity, series.rate_Hz);
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    series.states[i].torque_Nm[joint] = series.states[i].q[joint];
+    series.states[i].q[joint] = position[i];
+    series.states[i].dq[joint] = velocity[i];
+    series.acceleration[i][joint] = acceleration[i];
+  }
+}
+
+class Known {
+ public:
+  explicit Known(const ColumnNames& names) : names_(names) {
+    zeros_.emplace_back(JointVector::Zero(names.joints));
+    if (names.revolute) {
+      for (const double sign : {-1.0, 1.0}) {
+        zeros_.push_back(zeros_.front());
+        zeros_.back()[0] = sign * 0.5 * std::numbers::pi;
+      }
+    }
+  }
+
+  std::vector<Convention> counts() {
+    constexpr int kFewestBits = 10, kMostBits = 24;
+    for (int joint = names_.joints > 1 ? kAll : 0; joint < names_.joints; ++joint) {
+      for (int bits = kFewestBits; bits <= kMostBits; ++bits) {
+        const double recorded = std::ldexp(1.0, bits) / kTurn;
+        addPositions(named(ConventionKind::kPositionUnit, joint,
+                           fmt::format("{} {} in counts of an encoder of {} bits", names_.position(joint),
+                                       names_.verb(joint), bits),
+                           fmt::format("{}·2π/2^{}", q(joint), bits), recorded),
+                     scaled(joint, 1.0 / recorded), unit());
+      }
+    }
+    return std::move(all_);
+  }
+
+  std::vector<Convention> all() {
+    for (int joint = names_.joints > 1 ? kAll : 0; joint < names_.joints; ++joint) {
+      units(joint);
+      signs(joint);
+      columns(joint);
+    }
+    if (names_.joints == 2) {
+      betweenJoints();
+    }
+    return std::move(all_);
+  }
+
+ private:
+  JointMatrix unit() const { return JointMatrix::Identity(names_.joints, names_.joints); }
+
+  JointMatrix scaled(int joint, double factor) const {
+    JointMatrix matrix = unit();
+    for (Eigen::Index j = 0; j < matrix.rows(); ++j) {
+      matrix(j, j) = of(joint, j) ? factor : 1.0;
+    }
+    return matrix;
+  }
+
+  // Once for each zero about which it makes another motion.
+  void addPositions(const Convention& convention, const JointMatrix& position, const JointMatrix& torque) {
+    std::vector<JointVector> shifts;
+    for (const JointVector& zero : zeros_) {
+      const JointVector shift = zero - position * zero;
+      bool known = false;
+      for (const JointVector& other : shifts) {
+        known = known || (shift - other).norm() < 1e-9;
+      }
+      if (!known) {
+        shifts.push_back(shift);
+        all_.push_back(convention);
+        all_.back().correct = [=](Series& series) {
+          turnPositions(series, position, zero);
+          turnTorques(series, torque);
+        };
+      }
+    }
+  }
+
+  void addTorques(Convention convention, const JointMatrix& torque) {
+    convention.torque_only = true;
+    convention.correct = [=](Series& series) { turnTorques(series, torque); };
+    all_.push_back(std::move(convention));
+  }
+
+  static Convention named(ConventionKind kind, int joint, std::string mistake, std::string change,
+                          double number = 0.0) {
+    return {.kind = kind,
+            .joint = joint,
+            .number = number,
+            .mistake = std::move(mistake),
+            .change = std::move(change),
+            .correct = {}};
+  }
+
+  void units(int joint) {
+    const std::span<const Unit> known =
+        names_.revolute ? std::span<const Unit>(kAngleUnits) : std::span<const Unit>(kLengthUnits);
+    for (const Unit& unit_of : known) {
+      addPositions(named(ConventionKind::kPositionUnit, joint,
+                         fmt::format("{} {} {}", names_.position(joint), names_.verb(joint), unit_of.name),
+                         q(joint) + unit_of.change, unit_of.recorded),
+                   scaled(joint, 1.0 / unit_of.recorded), unit());
+    }
+  }
+
+  void signs(int joint) {
+    const auto reversed = [&](const std::string& what) {
+      return fmt::format("{} {} of the other sign", what, names_.verb(joint));
+    };
+    const JointMatrix turned = scaled(joint, -1.0);
+    addTorques(named(ConventionKind::kTorqueSign, joint, reversed(names_.torque(joint)), "−" + tau(joint)),
+               turned);
+    addPositions(
+        named(ConventionKind::kPositionSign, joint, reversed(names_.position(joint)), "−" + q(joint)), turned,
+        unit());
+    addPositions(
+        named(ConventionKind::kBothSigns, joint,
+              fmt::format("{} and {} are of the other sign", names_.position(joint), names_.torque(joint)),
+              fmt::format("−{} and −{}", q(joint), tau(joint))),
+        turned, turned);
+  }
+
+  void columns(int joint) {
+    Convention convention =
+        named(ConventionKind::kColumnsExchanged, joint,
+              fmt::format("{} and {} are swapped", names_.position(joint), names_.torque(joint)),
+              fmt::format("{} for {}", tau(joint), q(joint)));
+    convention.correct = [joint, joints = names_.joints](Series& series) {
+      for (Eigen::Index j = 0; j < joints; ++j) {
+        if (of(joint, j)) {
+          exchangeColumns(series, j);
+        }
+      }
+    };
+    all_.push_back(std::move(convention));
+  }
+
+  void betweenJoints() {
+    JointMatrix exchanged(2, 2);
+    exchanged << 0.0, 1.0, 1.0, 0.0;
+    addPositions(
+        named(ConventionKind::kPositionsExchanged, kAll, "q1_rad and q2_rad are swapped", "q2 for q1"),
+        exchanged, unit());
+    addTorques(
+        named(ConventionKind::kTorquesExchanged, kAll, "tau1_Nm and tau2_Nm are swapped", "tau2 for tau1"),
+        exchanged);
+    addPositions(named(ConventionKind::kJointsExchanged, kAll, "the joints are swapped",
+                       "q2 for q1 and tau2 for tau1"),
+                 exchanged, exchanged);
+    for (const double sign : {-1.0, 1.0}) {
+      JointMatrix relative = unit();
+      relative(1, 0) = sign;
+      addPositions(named(ConventionKind::kAbsoluteAngle, 1, "q2_rad is not relative to the first segment",
+                         sign < 0.0 ? "q2 − q1" : "q2 + q1", sign),
+                   relative, unit());
+    }
+  }
+
+  ColumnNames names_;
+  std::vector<JointVector> zeros_;
+  std::vector<Convention> all_;
+};
+
+Convention scaleConvention(int joint, double factor, std::string mistake, std::string change) {
+  return {.kind = ConventionKind::kTorqueUnit,
+          .joint = joint,
+          .number = factor,
+          .mistake = std::move(mistake),
+          .change = std::move(change),
+          .correct =
+              [=](Series& series) {
+                for (model::EffectInput& state : series.states) {
+                  for (Eigen::Index j = 0; j < state.torque_Nm.size(); ++j) {
+                    state.torque_Nm[j] /= of(joint, j) ? factor : 1.0;
+                  }
+                }
+              },
+          .torque_only = true};
+}
+
+std::string columns(const char* stem, const char* unit, int joint, int joints) {
+  std::string names;
+  for (int j = 0; j < joints; ++j) {
+    if (of(joint, j)) {
+      names += fmt::format("{}{}{}{}", names.empty() ? "" : " and ", stem, j + 1, unit);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string ColumnNames::position(int joint) const {
+  return columns("q", revolute ? "_rad" : "_m", joint, joints);
+}
+
+std::string ColumnNames::torque(int joint) const {
+  return columns("tau", revolute ? "_Nm" : "_N", joint, joints);
+}
+
+std::vector<Convention> knownConventions(const ColumnNames& names) {
+  return Known(names).all();
+}
+
+std::vector<Convention> encoderCounts(const ColumnNames& names) {
+  return Known(names).counts();
+}
+
+Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad) {
+  const bool upside_down = std::abs(std::abs(offset_rad) - std::numbers::pi) < convention::kSameZero_rad;
+  return {
+      .kind = ConventionKind::kZero,
+      .joint = joint,
+      .number = offset_rad,
+      .mistake = fmt::format("the zero of {} is off by {:.2f} rad ({:.0f}°){}", names.position(joint),
+                             offset_rad, offset_rad / kDegree,
+                             joint == 0 && upside_down ? ", or gravity is of the other sign" : ""),
+      .change = fmt::format("q{} {} {:.2f}", joint + 1, offset_rad < 0.0 ? "−" : "+", std::abs(offset_rad)),
+      .correct = [=](Series& series) {
+        for (model::EffectInput& state : series.states) {
+          state.q[joint] += offset_rad;
+        }
+      }};
+}
+
+Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
+  constexpr double kMillisecond = 1e-3;
+  return {.kind = ConventionKind::kTorqueShift,
+          .joint = joint,
+          .number = late_s,
+          .mistake = fmt::format("{} {} {:.0f} ms too {}", names.torque(joint),
+                                 joint < 0 && names.joints > 1 ? "come" : "comes",
+                                 std::abs(late_s) / kMillisecond, late_s > 0.0 ? "late" : "early"),
+          .change = fmt::format("{} {:.0f} ms {}", tau(joint), std::abs(late_s) / kMillisecond,
+                                late_s > 0.0 ? "earlier" : "later"),
+          .correct =
+              [=](Series& series) {
+                for (Eigen::Index j = 0; j < series.states.front().torque_Nm.size(); ++j) {
+                  if (of(joint, j)) {
+                    const std::vector<double> shifted =
+                        offline::advanced(torqueOf(series, j), late_s, series.rate_Hz);
+                    for (std::size_t i = 0; i < shifted.size(); ++i) {
+                      series.states[i].torque_Nm[j] = shifted[i];
+                    }
+                  }
+                }
+              },
+          .torque_only = true};
+}
+
+std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
+  const std::span<const Unit> units =
+      names.revolute ? std::span<const Unit>(kTorqueUnits) : std::span<const Unit>(kForceUnits);
+  std::vector<Convention> all;
+  for (const Unit& unit : units) {
+    all.push_back(scaleConvention(joint, unit.recorded,
+                                  fmt::format("{} {} {}", names.torque(joint), names.verb(joint), unit.name),
+                                  tau(joint) + unit.change));
+  }
+  return all;
+}
+
+Convention gearConvention(const ColumnNames& names, int joint, double factor) {
+  const double ratio = std::max(factor, 1.0 / factor);
+  return scaleConvention(joint, factor,
+                         fmt::format("{} {} measured {} a gear of about {:.2g}", names.torque(joint),
+                                     names.verb(joint), factor < 1.0 ? "before" : "behind", ratio),
+                         fmt::format("{}{}{:.2g}", tau(joint), factor < 1.0 ? "·" : "/", ratio));
+}
+
+const char* likelyAngleUnit(double largest_angle) {
+  constexpr double kTurns = convention::kLargestAngle_rad / kTurn;
+  constexpr double kPerTurnDegrees = 360.0, kPerTurnMilliradians = 1e3 * kTurn;
+  return largest_angle <= kTurns * kPerTurnDegrees        ? "degrees"
+         : largest_angle <= kTurns * kPerTurnMilliradians ? "milliradians or counts of an encoder"
+                                                          : "counts of an encoder";
+}
+
+}  // namespace patella::diagnose

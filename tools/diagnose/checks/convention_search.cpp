@@ -1,0 +1,277 @@
+#include "tools/diagnose/checks/convention_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/regression/judgement_limits.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using namespace convention;
+
+constexpr int kAll = -1;
+/// Nobody reads more.
+constexpr std::size_t kMostTold = 6;
+
+/// A number on a grid, then between its best neighbours.
+struct Grid {
+  double first = 0.0, last = 0.0, step = 0.0, resolution = 0.0;
+};
+
+double gain(const std::vector<double>& given, const std::vector<double>& read, double floor = kFloor) {
+  return misfit(given, floor) - misfit(read, floor);
+}
+
+// How much less is left than of the recording as given, as a logarithm, all joints together. The smaller a
+// torque is, the less there is to leave: where it is scaled, it has to be explained itself, or what was left
+// to be out of all proportion to the load.
+double gainOf(const ReadAs& one, const Reading& given) {
+  const double of_load = gain(given.error, one.reading.error);
+  return one.convention.kind == ConventionKind::kTorqueUnit
+             ? std::min(of_load, std::max(gain(given.error_of_torque, one.reading.error_of_torque),
+                                          gain(given.error, one.reading.error, kOutOfProportion)))
+             : of_load;
+}
+
+// Torques that are scaled are as good as each other where they leave as much over the torque.
+bool asGood(const ReadAs& one, const ReadAs& best, const Reading& given) {
+  return gainOf(one, given) > gainOf(best, given) - std::log(kAsGood) ||
+         (one.convention.kind == ConventionKind::kTorqueUnit &&
+          best.convention.kind == ConventionKind::kTorqueUnit &&
+          gain(best.reading.error_of_torque, one.reading.error_of_torque) > -std::log(kAsGood));
+}
+
+ReadAs bestOn(const Grid& grid, const Reader& reader, const Reading& given,
+              const std::function<Convention(double)>& convention) {
+  std::vector<ReadAs> tried;
+  std::vector<double> gains, numbers;
+  const auto consider = [&](double number) {
+    ReadAs one{.convention = convention(number), .reading = {}};
+    one.reading = reader.read(one.convention);
+    gains.push_back(gainOf(one, given));
+    numbers.push_back(number);
+    tried.push_back(std::move(one));
+  };
+  const auto best = [&] {
+    return static_cast<std::size_t>(std::max_element(gains.begin(), gains.end()) - gains.begin());
+  };
+  for (double number = grid.first; number <= grid.last; number += grid.step) {
+    consider(number);
+  }
+  for (double step = 0.5 * grid.step; step > grid.resolution; step *= 0.5) {
+    const double centre = numbers[best()];
+    consider(std::max(centre - step, grid.first));
+    consider(std::min(centre + step, grid.last));
+  }
+  ReadAs found = tried[best()];
+  found.convention.range.fill(found.convention.number);
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    if (asGood(tried[i], found, given)) {
+      auto& [low, high] = found.convention.range;
+      low = std::min(low, tried[i].convention.number);
+      high = std::max(high, tried[i].convention.number);
+    }
+  }
+  return found;
+}
+
+std::vector<int> eachAndAll(int joints) {
+  std::vector<int> chosen;
+  for (int joint = joints > 1 ? kAll : 0; joint < joints; ++joint) {
+    chosen.push_back(joint);
+  }
+  return chosen;
+}
+
+// Units in which the model explains angles better than as given, and that make them smaller: the best, and
+// what is as good; `counts`: those of encoders, too.
+std::vector<Convention> smallerAngles(const Reader& reader, const ColumnNames& names, bool counts) {
+  const Reading given = reader.asGiven();
+  std::vector<ReadAs> better;
+  double most = 0.0;
+  std::vector<Convention> units;
+  if (counts) {
+    units = encoderCounts(names);
+  }
+  for (Convention& known : knownConventions(names)) {
+    units.push_back(std::move(known));
+  }
+  for (const Convention& convention : units) {
+    if (convention.kind == ConventionKind::kPositionUnit && convention.number > 1.0) {
+      ReadAs one{.convention = convention, .reading = reader.read(convention)};
+      most = std::max(most, gainOf(one, given));
+      better.push_back(std::move(one));
+    }
+  }
+  std::vector<Convention> smaller;
+  for (const ReadAs& one : better) {
+    if (gainOf(one, given) > std::max(0.0, most - std::log(kAsGood))) {
+      smaller.push_back(one.convention);
+    }
+  }
+  return smaller;
+}
+
+// " looks like q2_rad is in degrees (q2·π/180), or …"; empty where there is none.
+std::string told(std::span<const Convention> conventions) {
+  std::string look;
+  std::size_t count = 0;
+  for (const Convention& one : conventions) {
+    const std::string name = fmt::format("{} ({})", one.mistake, one.change);
+    if (count < kMostTold && look.find(name) == std::string::npos) {
+      look += (count++ == 0 ? " looks like " : ", or ") + name;
+    }
+  }
+  return look;
+}
+
+double percentExplained(double error) {
+  constexpr double kPercent = 100.0;
+  return kPercent * (1.0 - error * error);
+}
+
+}  // namespace
+
+ColumnNames columnNames(const app::ModelDescription& model) {
+  return {.joints = model.joints(),
+          .revolute = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism)};
+}
+
+std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names) {
+  constexpr Grid kShifts{
+      .first = -kFarthestShift_s, .last = kFarthestShift_s, .step = 0.02, .resolution = 2e-3};
+  constexpr Grid kZeros{.first = -std::numbers::pi,
+                        .last = std::numbers::pi - 0.1,
+                        .step = std::numbers::pi / 9.0,
+                        .resolution = 2e-3};
+  const Grid kStepUp{
+      .first = std::log(kOtherLeg), .last = std::log(kLargestGear), .step = 0.4, .resolution = 0.1};
+  const Grid kStepDown{.first = -kStepUp.last, .last = -kStepUp.first, .step = 0.4, .resolution = 0.1};
+  std::vector<ReadAs> all;
+  const auto add = [&](std::vector<Convention> conventions) {
+    for (Convention& convention : conventions) {
+      Reading reading = reader.read(convention);
+      all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
+    }
+  };
+  add(knownConventions(names));
+  for (const int joint : eachAndAll(names.joints)) {
+    add(torqueUnits(names, joint));
+    for (const Grid& gears : {kStepUp, kStepDown}) {
+      all.push_back(bestOn(gears, reader, given, [&](double logarithm) {
+        return gearConvention(names, joint, std::exp(logarithm));
+      }));
+    }
+    all.push_back(
+        bestOn(kShifts, reader, given, [&](double late_s) { return shiftConvention(names, joint, late_s); }));
+    if (joint >= 0 && names.revolute) {
+      all.push_back(bestOn(kZeros, reader, given,
+                           [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); }));
+    }
+  }
+  std::erase_if(all, [](const ReadAs& one) {
+    const double size = std::abs(one.convention.number);
+    return (one.convention.kind == ConventionKind::kZero && size < kLeastZero_rad) ||
+           (one.convention.kind == ConventionKind::kTorqueShift && size < kLeastShift_s);
+  });
+  return all;
+}
+
+std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given, const ColumnNames& names) {
+  if (!reader.moves() ||
+      std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
+    return {};
+  }
+  const double least =
+      std::max(-std::log(kFarBetter), kOfEffects * gain(given.error, given.error_with_effects));
+  std::vector<ReadAs> all = readings(reader, given, names);
+  std::erase_if(all, [&](const ReadAs& one) {
+    for (std::size_t j = 0; j < given.error.size(); ++j) {
+      const double before = given.error[j], after = one.reading.error[j];
+      if (after < kFarBetter * before && after > std::max(kAsMachines, kSmallPart * before)) {
+        return true;
+      }
+    }
+    return gainOf(one, given) < least ||
+           gain(one.reading.error, given.error_with_effects, kSensors) >
+               static_cast<double>(given.error.size()) * std::log(kTimesEffects);
+  });
+  std::sort(all.begin(), all.end(),
+            [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });
+  if (!all.empty()) {
+    const ReadAs best = all.front();
+    std::erase_if(all, [&](const ReadAs& one) { return !asGood(one, best, given); });
+  }
+  return all;
+}
+
+void requireConventions(const Recording& recording, const app::ModelDescription& model) {
+  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
+  const Reading given = reader.asGiven();
+  const std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
+  if (wrong.empty()) {
+    return;
+  }
+  const ReadAs& best = wrong.front();
+  // Of the joint that it changes most.
+  std::size_t joint = 0;
+  const auto better = [&](std::size_t j) {
+    return given.error[j] / std::hypot(best.reading.error[j], kFloor);
+  };
+  for (std::size_t j = 1; j < given.error.size(); ++j) {
+    joint = better(j) > better(joint) ? j : joint;
+  }
+  std::vector<Convention> conventions;
+  for (const ReadAs& one : wrong) {
+    conventions.push_back(one.convention);
+  }
+  throw WrongConvention(
+      fmt::format("{}:{}: with {} the model explains {:.0f} % of the torque, as given {:.0f} % (joint {})",
+                  recording.name, told(conventions), best.convention.change,
+                  percentExplained(best.reading.error[joint]), percentExplained(given.error[joint]),
+                  joint + 1),
+      conventions);
+}
+
+void requireAngles(const Recording& recording, const app::ModelDescription& model) {
+  const ColumnNames names = columnNames(model);
+  std::string beyond;
+  double largest = 0.0;
+  for (int joint = 0; joint < recording.joints && names.revolute; ++joint) {
+    const auto& q = recording.position_rad[static_cast<std::size_t>(joint)];
+    const auto farthest =
+        std::max_element(q.begin(), q.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    largest = std::max(largest, std::abs(*farthest));
+    if (std::abs(*farthest) > kLargestAngle_rad) {
+      beyond += fmt::format("{}q{}_rad is {:.4g} at {:.4g} s, expected within ±4π rad; is it in {}?",
+                            beyond.empty() ? "" : "; ", joint + 1, *farthest,
+                            recording.time_s[static_cast<std::size_t>(farthest - q.begin())],
+                            likelyAngleUnit(std::abs(*farthest)));
+    }
+  }
+  if (beyond.empty()) {
+    return;
+  }
+  std::vector<Convention> smaller;
+  // A machine may turn round and round, but not by what the model explains better in another unit.
+  if (!recording.is_static) {
+    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    smaller = smallerAngles(Reader(Dataset(std::span(&recording, 1), kCoarse), model), names,
+                            largest > kLargestAngle_rad * kDegrees);
+    if (smaller.empty()) {
+      return;
+    }
+  }
+  throw WrongConvention(fmt::format("{}: {}{}", recording.name, beyond, told(smaller)), smaller);
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,33 @@
+// Which convention a recording was made with, by one score for all: before any effect is thought of.
+#pragma once
+
+#include <vector>
+
+#include "tools/diagnose/checks/reading.hpp"
+#include "tools/recordings/recording.hpp"
+
+namespace patella::diagnose {
+
+struct ReadAs {
+  Convention convention;
+  Reading reading;
+};
+
+/// Every convention with its reading; zeros, shifts and factors of torque where they explain most.
+std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names);
+
+ColumnNames columnNames(const app::ModelDescription& model);
+
+/// Those that explain the recording far better than it is explained as given, and about as well as effects
+/// explain it: the best, and what is as good; empty where the recording is in the model's own.
+std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given, const ColumnNames& names);
+
+/// Throws WrongConvention, naming recording, conventions, what the model explains with them and as given,
+/// where there are wrong ones.
+void requireConventions(const Recording& recording, const app::ModelDescription& model);
+
+/// Of a recording whose angles are beyond two turns: throws WrongConvention unless the model explains them
+/// better as they are.
+void requireAngles(const Recording& recording, const app::ModelDescription& model);
+
+}  // namespace patella::diagnose

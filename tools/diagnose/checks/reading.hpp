@@ -1,0 +1,63 @@
+// How well a model explains a recording that is read in one convention or another.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "firmware_app/files/model_file.hpp"
+#include "tools/diagnose/checks/convention.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
+
+namespace patella::diagnose {
+
+/// What the model leaves of each joint's torque, over the joint's load: the torque, or the largest term of
+/// the model where the joint is not driven, so that passive joints count as much as driven ones.
+struct Reading {
+  /// With parameters within convention::kOwnRange, and rubbing: every machine rubs. 0 where a joint is at
+  /// rest as recorded and as read: dry friction holds there against whatever it has to.
+  std::vector<double> error;
+  /// The same rest over the torque alone; 1 where it explains nothing.
+  std::vector<double> error_of_torque;
+  /// With parameters within a factor of convention::kOtherLeg, and every plain effect.
+  std::vector<double> error_with_effects;
+};
+
+/// Sum over the joints of the logarithms of an error, none below that of convention::kFloor: the
+/// log-likelihood of a noise of unknown size on each joint, but for a factor. One joint that is plainly wrong
+/// is not hidden by one that fits.
+double misfit(const std::vector<double>& error, double floor);
+
+class Reader {
+ public:
+  Reader(Dataset data, const app::ModelDescription& model);
+
+  int joints() const noexcept { return data_.joints(); }
+  bool moves() const;
+  Reading asGiven() const;
+  /// rms of what a joint's errors are shares of, N·m.
+  double load_Nm(int joint) const { return loadOf(own_, data_.driveTorque(), joint); }
+  Reading read(const Convention& convention) const;
+
+ private:
+  enum Freedom { kRubbing, kAllEffects };
+  /// What a motion needs from the drives, whatever they gave.
+  struct Columns {
+    Eigen::MatrixXd model;    ///< of its base parameters, as they are
+    Eigen::MatrixXd effects;  ///< plain ones, four for each joint
+  };
+  Columns columnsOf(const Dataset& data) const;
+  Eigen::MatrixXd declaredOf(const Dataset& data) const;
+  /// `exchanged`: each joint's position is read in the column of the other.
+  Reading readingOf(const Dataset& data, const Columns& columns, bool exchanged) const;
+  std::vector<bool> restOf(const Columns& columns) const;
+  double loadOf(const Columns& columns, const Column& torque, int joint) const;
+  std::vector<double> errorOf(const Columns& columns, const Column& torque, Freedom freedom) const;
+
+  Dataset data_;
+  app::ModelDescription model_;
+  Columns own_;
+  std::vector<bool> at_rest_;
+};
+
+}  // namespace patella::diagnose
