@@ -180,10 +180,13 @@ TEST_CASE("passive knee: the double exponential with its dependence on the hip")
 }
 
 TEST_CASE("a free pendulum, under no torque all along, tells its friction") {
+  diagnose::DiagnoseOptions options;
+  options.effects = {"viscous_friction", "coulomb_friction", "linear_stiffness", "rotor_inertia"};
+  options.bootstrap_replicates = 199;
   const Diagnosis diagnosis = diagnose::diagnose(
       load({"measured/multiarm_pendulum/map_single_free_1kHz.csv"}, "free_pendulum.toml", 1), {},
-      app::loadModel(kMaps / "free_pendulum_model.toml"), {});
-  CHECK(diagnosis.verdict != Verdict::kInsufficientExcitation);
+      app::loadModel(kMaps / "free_pendulum_model.toml"), options);
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
   CHECK((find(diagnosis, "viscous_friction", 0) != nullptr ||
          find(diagnosis, "coulomb_friction", 0) != nullptr));
   CHECK(diagnosis.after.heldout_rms_Nm[0] < diagnosis.before.heldout_rms_Nm[0]);
