@@ -182,7 +182,6 @@ TEST_CASE("passive knee: the double exponential with its dependence on the hip")
 TEST_CASE("a free pendulum, under no torque all along, tells its friction") {
   diagnose::DiagnoseOptions options;
   options.effects = {"viscous_friction", "coulomb_friction", "linear_stiffness", "rotor_inertia"};
-  options.bootstrap_replicates = 199;
   const Diagnosis diagnosis = diagnose::diagnose(
       load({"measured/multiarm_pendulum/map_single_free_1kHz.csv"}, "free_pendulum.toml", 1), {},
       app::loadModel(kMaps / "free_pendulum_model.toml"), options);
