@@ -18,7 +18,7 @@ struct Link {
   double inertia_kg_m2 = 0.0;
 };
 
-/// Of a mass that is enough for the moment: mass · inertia >= moment².
+/// A link whose mass is enough for the moment: mass · inertia >= moment².
 Link linkOf(double mass_kg, double moment_kg_m, double inertia_about_joint_kg_m2) {
   const double com_m = moment_kg_m / mass_kg;
   return {.mass_kg = mass_kg,

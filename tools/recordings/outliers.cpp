@@ -47,7 +47,7 @@ double quantile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
-// Of a signal that hardly ever leaves one value, the range it has when it does.
+// The range of a signal that hardly ever leaves one value is the one it has when it does.
 Range rangeOf(std::span<const double> values) {
   constexpr double kRareBulk = 0.001;
   const std::vector<double> sorted = sortedPart(values);

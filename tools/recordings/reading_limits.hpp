@@ -17,11 +17,12 @@ inline constexpr double kBulk = 0.02;
 /// Ranges beyond that range: a drive that is used to a third of what it can still has room. No row of the
 /// recordings of other people's rigs lies so far out (measured_believed_test), impacts and pushes included.
 inline constexpr double kBeyond = 2.0;
-/// Of that range, the jump of a position out and back; and how many times the largest of its ordinary steps.
+/// Share of that range that a position jumps out and back; and how many times the largest of its ordinary
+/// steps.
 inline constexpr double kJump = 0.1;
 inline constexpr double kJumpSteps = 20.0;
 inline constexpr double kOrdinarySteps = 0.995;  ///< quantile
-/// Of the jump, how near to where it left the position must come back.
+/// Share of the jump within which the position must come back to where it left.
 inline constexpr double kBack = 0.3;
 /// However long it lasts, such a multiple of the range is no torque of the same drive.
 inline constexpr double kAbsurd = 1e4;
@@ -35,7 +36,7 @@ inline constexpr std::size_t kNamed = 5;
 namespace gaps {
 /// So long, a motion is between the samples around it as their cubic has it.
 inline constexpr double kLongestBridge_s = 0.020;
-/// Of a slow recording, which has no samples so near to each other.
+/// Samples of a slow recording, which has none so near to each other.
 inline constexpr double kLongestBridge_samples = 3.0;
 
 /// What is longer is a gap. `step_s` is that of the samples.

@@ -6,7 +6,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of a period: more, and a stamp could as well belong to the tick before or after.
+/// Share of a period: more, and a stamp could as well belong to the tick before or after.
 constexpr double kMostJitter = 0.45;
 /// Share of each stamp's error by which the clock's phase follows: slow against jitter, fast against drift.
 constexpr double kFollowing = 0.02;

@@ -29,7 +29,7 @@ using convert::TimeBase;
 constexpr std::size_t kFewestRows = 100;
 constexpr std::size_t kFewestPostures = 10;
 constexpr double kRoundingOfRate = 0.002;
-/// Of the rows: with more without a value, it is the recording that is broken and not the bus.
+/// Share of the rows: with more of them without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;
 
 /// Name of the first signal without a value in the row, or nothing.
@@ -267,7 +267,7 @@ void trustStampsOrClock(const RawRecording& raw, const Instants& instants, std::
   }
 }
 
-/// Of `values`, one for each instant, those of all stretches one after the other.
+/// Joins `values`, one for each instant, of all stretches one after the other.
 std::vector<double> joined(const std::vector<double>& values, const std::vector<Stretch>& stretches,
                            Interpolation method) {
   std::vector<double> result;

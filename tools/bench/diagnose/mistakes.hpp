@@ -18,8 +18,8 @@ struct Mistake {
   std::function<bool(const diagnose::Convention&)> is;  ///< true for what puts it right
 };
 
-/// Of a recording of revolute joints whose files count the first angle from hanging down, or of a rail. None
-/// where the kind that was drawn takes two joints, or angles, and there are none.
+/// Draws one for a recording of revolute joints whose files count the first angle from hanging down, or of a
+/// rail. None where the kind that was drawn takes two joints, or angles, and there are none.
 std::optional<Mistake> drawMistake(const diagnose::Recording& recording, bool revolute, Random& random);
 
 }  // namespace patella::bench

@@ -222,7 +222,7 @@ void requireConventions(const Recording& recording, const app::ModelDescription&
     return;
   }
   const ReadAs& best = wrong.front();
-  // Of the joint that it changes most.
+  // The joint that it changes most.
   std::size_t joint = 0;
   const auto better = [&](std::size_t j) {
     return given.error[j] / std::hypot(best.reading.error[j], kFloor);

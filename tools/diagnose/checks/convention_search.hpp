@@ -26,7 +26,7 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
 /// where there are wrong ones.
 void requireConventions(const Recording& recording, const app::ModelDescription& model);
 
-/// Of a recording whose angles are beyond two turns: throws WrongConvention unless the model explains them
+/// Throws WrongConvention where angles are beyond two turns, unless the model explains them
 /// better as they are.
 void requireAngles(const Recording& recording, const app::ModelDescription& model);
 

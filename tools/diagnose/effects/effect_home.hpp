@@ -30,7 +30,7 @@ struct EffectHome {
   std::function<void(const Motion& motion, std::span<const int> channels, std::vector<Recipe>& all)> add;
 };
 
-/// Of every kind in the catalogue of effects, in no order.
+/// One for every kind in the catalogue of effects, in no order.
 std::span<const EffectHome> effectHomes();
 
 /// Throws std::logic_error, naming the kind, where it has none.

@@ -78,7 +78,7 @@ std::string tooSoft(Numbers parameters) {
 // damping ratio over what is common): from within the band to where the spring could as well be rigid. On an
 // axis that moves freely only the resonance shows: which part of the mass is the drive's does not.
 Recipe transmissionElasticity(const Motion& motion) {
-  /// Of what moves, the drive's part: within the spread a tenth to nearly all, as inertias are matched.
+  /// The drive's part of what moves: within the spread a tenth to nearly all, as inertias are matched.
   constexpr double kShareOfInertia = 0.3;
   constexpr double kDampingRatio = 0.1;
   const double spread = std::log(3.0);

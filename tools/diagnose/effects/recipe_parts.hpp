@@ -50,7 +50,7 @@ std::vector<std::vector<double>> product(const std::vector<std::vector<double>>&
 /// From, from + step … not beyond to.
 std::vector<double> range(double from, double to, double step);
 
-/// Of a kind on the motion's joint, with one point of the grid.
+/// A recipe of this kind on the motion's joint, with one point of the grid.
 Recipe start(const char* kind, const Motion& motion, std::vector<bool> nonnegative);
 /// One strength and nothing else.
 Recipe single(const char* kind, const Motion& motion, const char* strength, bool nonnegative,

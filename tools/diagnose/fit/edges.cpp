@@ -11,7 +11,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of a range.
+/// Share of a range within which a value stands at its end.
 constexpr double kNearBound = 0.02;
 /// Square of the standard deviations by which a coefficient at zero would have to be negative.
 constexpr double kPulled = 9.0;

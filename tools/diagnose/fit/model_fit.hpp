@@ -20,7 +20,7 @@
 
 namespace patella::diagnose {
 
-/// Of the residual: a coefficient whose torque is less is zero.
+/// Share of the residual: a coefficient whose torque is less is zero.
 inline constexpr double kNextToNothing = 1e-3;
 
 /// An effect in the fit.
@@ -41,7 +41,7 @@ struct ModelFit {
   std::shared_ptr<const Weighting> weighting;  ///< scaled to this fit's own residual
   Eigen::VectorXd residual;                    ///< torque that is left, as a Column
   Eigen::MatrixXd tangent;  ///< derivatives of the explained torque by every free parameter, as Columns
-  /// Of each parameter: 1 / standard deviation, times `prior_scale`; 0 where nothing is known.
+  /// Each parameter's 1 / standard deviation, times `prior_scale`; 0 where nothing is known.
   Eigen::VectorXd prior_weight;
   double prior_scale = 1.0;
   Eigen::VectorXd prior_residual;  ///< weighted distance from what is known to each parameter

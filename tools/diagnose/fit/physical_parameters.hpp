@@ -15,7 +15,7 @@ struct PhysicalParameter {
   Bound bound;  ///< that a model file has to keep
 };
 
-/// Of `mechanism`, which must outlive them; without those that are zero, which have no ratio.
+/// Those of `mechanism`, which must outlive them; without those that are zero, which have no ratio.
 std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism);
 
 }  // namespace patella::diagnose

@@ -9,7 +9,7 @@ namespace {
 /// Windows are spread evenly over the recording; more of them would not change the mean.
 constexpr std::size_t kMostWindows = 60;
 constexpr int kSubsteps = 4;
-/// Of a window's motion, for pictures.
+/// Points of a window's motion that pictures show.
 constexpr std::size_t kKeptPoints = 25;
 
 JointVector acceleration(const model::DynamicsModel& dynamics, const model::EffectInput& state) {

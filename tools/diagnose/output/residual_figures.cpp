@@ -93,7 +93,7 @@ std::optional<Figure> againstFigure(const Diagnosis& diagnosis, int joint, const
       })) {
     return std::nullopt;
   }
-  // Of postures, which have no order in time, each counts for itself; so stretches of a row.
+  // Postures have no order in time: each counts for itself, in stretches of one row.
   const auto lags = static_cast<std::size_t>(kLongestLag_s * diagnosis.curves_rate_Hz);
   const double dependent = rowsPerIndependent(autocorrelationOf(after, layout.stretches, lags));
   Figure figure;

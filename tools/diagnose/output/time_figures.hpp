@@ -8,7 +8,7 @@
 
 namespace patella::diagnose {
 
-/// Of the two models that every picture compares.
+/// Colours of the two models that every picture compares.
 namespace colour {
 inline constexpr const char* kBefore = "#D55E00";
 inline constexpr const char* kAfter = "#0072B2";

@@ -63,9 +63,9 @@ class Dataset {
   static constexpr double kShortest_s = 2.0;
 
   int joints() const noexcept { return joints_; }
-  /// Of one joint.
+  /// Number of one joint's rows.
   Eigen::Index rows() const noexcept { return rows_; }
-  /// Of the analysis band.
+  /// Rows a second, in the analysis band.
   double rate_Hz() const noexcept { return rate_Hz_; }
   double band_Hz() const noexcept { return band_Hz_; }
   bool isStatic() const noexcept { return is_static_; }

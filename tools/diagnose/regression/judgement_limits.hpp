@@ -22,7 +22,7 @@ inline constexpr double kFloor = 0.05;
 inline constexpr double kOutOfProportion = 0.2;
 /// A machine of which no joint is faster is at rest, and says nothing.
 inline constexpr double kLeastVelocity_rad_s = 1e-3;
-/// Of the fastest joint's velocity, what is a joint at rest that shakes with the other.
+/// Share of the fastest joint's velocity below which a joint rests and shakes with the other.
 inline constexpr double kAtRest = 0.01;
 /// On each joint that it changes, a convention has to leave as little of the load as machines leave of their
 /// models, or …

@@ -40,7 +40,7 @@ class Weighting {
   /// The same filter, scaled to another residual.
   Weighting rescaled(const Eigen::VectorXd& residual) const;
 
-  /// Of one joint.
+  /// Number of one joint's rows.
   Eigen::Index rows() const noexcept { return rows_; }
   /// Columns in units of the residual's weighted standard deviation, the joints' correlation taken out.
   Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
@@ -67,7 +67,7 @@ class NoiseProcess {
   int order() const noexcept { return process_.order; }
   /// Innovations drawn with replacement, the joints together, run through the autoregression.
   Eigen::VectorXd draw(std::mt19937_64& random) const;
-  /// Of the product of a Column with a draw.
+  /// Variance of the product of a Column with a draw.
   double variance(const Eigen::Ref<const Eigen::VectorXd>& column) const;
 
  private:

@@ -136,7 +136,7 @@ struct RefittedParameter {
   double sd = 0.0;
 };
 
-/// Of the errors of the parameters that were fitted together.
+/// Correlations of the errors of parameters that were fitted together.
 struct Correlations {
   std::vector<std::string> parameters;      ///< "mass_kg[1]", "coulomb_friction@1 level_Nm"
   std::vector<std::vector<double>> matrix;  ///< −1…1; NaN where nothing is uncertain

@@ -14,7 +14,7 @@ constexpr double kRepeated = 2e-3;
 /// Not at the bound itself, from which a derivative by ν would vanish.
 constexpr double kOffTheBound = 1e-3;
 
-// Of all effects in a fit that have a strength; the mechanism is not among them.
+// Columns of all effects in a fit that have a strength; the mechanism is not among them.
 Eigen::MatrixXd effectColumns(ModelFitter& fitter, const ModelFit& fit) {
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index count = 0;

@@ -11,7 +11,7 @@
 
 namespace patella::diagnose {
 
-/// Of the mechanism's parameters (`mechanism_names`, in the order of the fit) and of those of every effect
+/// Between the mechanism's parameters (`mechanism_names`, in the order of the fit) and those of every effect
 /// in it, declared and found, that the recording determines. `covariance` is that of the fit's parameters.
 Correlations correlationsOf(const ModelFit& fit, std::span<const std::string> mechanism_names,
                             const Eigen::MatrixXd& covariance);

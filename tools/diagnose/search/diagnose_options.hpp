@@ -36,7 +36,7 @@ struct DiagnoseOptions {
             .gates = gates,
             .progress = {}};
   }
-  /// Of what estimates how well parameters are known.
+  /// Seed of what estimates how well parameters are known.
   std::uint64_t covarianceSeed() const { return seed + 15485863; }
   void report(std::string_view stage, double fraction) const {
     if (progress) {

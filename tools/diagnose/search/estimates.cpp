@@ -14,7 +14,7 @@ namespace patella::diagnose {
 namespace {
 
 constexpr double kDeviations95 = 1.959964;
-/// Of a factor: nothing is known of what it multiplies.
+/// Logarithm of a factor from which on nothing is known of what it multiplies.
 constexpr double kLargestLogarithm = 50.0;
 
 // Names of the parameters at which the fit came to the end of a range.

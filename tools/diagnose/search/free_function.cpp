@@ -19,7 +19,7 @@ constexpr double kPlainCycles = 2.5;
 constexpr double kAnotherSlope = 1.25;
 /// A spring that hardens, softens or stops bends like a polynomial of this order.
 constexpr int kSmoothOrder = 5;
-/// Of −2 log likelihood, by which a ripple of fewer periods has to explain more than such a spring, though it
+/// −2 log likelihood by which a ripple of fewer periods has to explain more than such a spring, though it
 /// has no more parameters: four standard deviations.
 constexpr double kToldApart = 16.0;
 

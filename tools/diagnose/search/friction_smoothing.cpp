@@ -9,7 +9,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of the joint's velocity, rms.
+/// Shares of the joint's velocity (rms).
 constexpr std::array kShares{0.002, 0.006, 0.02};
 constexpr double kSlowest_rad_s = 1e-4;
 /// The screening has to draw some chance, which is not looked at here.

@@ -13,12 +13,12 @@ namespace {
 /// As far up as encoders let accelerations be known.
 constexpr DatasetOptions kFast{.smoothing_Hz = 100.0, .evaluation_rate_Hz = 1000.0, .band_Hz = 40.0};
 
-/// Of a drive's torque, what may be left unexplained at most. A controller answers what pushes the machine, a
-/// patient or a contact, and its answer passes for a late drive: both let torque follow on motion. Where
-/// little pushes, little is answered.
+/// Share of a drive's torque that may be left unexplained at most. A controller answers what pushes the
+/// machine, a patient or a contact, and its answer passes for a late drive: both let torque follow on motion.
+/// Where little pushes, little is answered.
 constexpr double kUndisturbed = 0.05;
 
-/// Of the square of what is left, what the delay has to explain at least. The noise of fast motion is known
+/// Share of the square of what is left that the delay has to explain. The noise of fast motion is known
 /// less well than the tests suppose.
 constexpr double kMaterial = 0.05;
 
@@ -29,7 +29,7 @@ bool undisturbed(const Dataset& data, const app::ModelDescription& explained, in
          kUndisturbed * jointRms(data, torque, joint);
 }
 
-// Of fast motion little is sinusoids; and what a controller answers is little here.
+// Fast motion holds few sinusoids, and what a controller answers is little here.
 std::vector<std::shared_ptr<const Recipe>> byWholeTorque(
     const std::vector<std::shared_ptr<const Recipe>>& recipes) {
   std::vector<std::shared_ptr<const Recipe>> changed;

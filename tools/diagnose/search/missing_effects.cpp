@@ -18,7 +18,7 @@ namespace {
 
 /// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
 constexpr double kContradicted = 9.0;
-/// Of the held-out error, what a delay must leave at most.
+/// Share of the held-out error that a delay may leave at most.
 constexpr double kShows = 0.99;
 
 bool isTiming(std::string_view kind) {

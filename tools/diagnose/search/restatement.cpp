@@ -16,7 +16,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of −2 log posterior, in units of chance: as good as equal.
+/// −2 log posterior, in units of chance, that is as good as equal.
 constexpr double kAsGood = 0.1;
 /// Share of what an effect explains that a simple one may leave where the effect is out of its range.
 constexpr double kRest = 0.1;

@@ -12,7 +12,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of what the found effect's columns explain, what those of a rival must, to be fitted in full.
+/// Share of what the found effect's columns explain that a rival's must, to be fitted in full.
 constexpr double kNearRival = 0.35;
 /// Effects within this much of −2 log posterior of each other explain the data equally well.
 constexpr double kRivalMargin = 6.0;
@@ -28,14 +28,14 @@ constexpr double kAlike = 16.0;
 /// An effect that contains another always explains as much. It is a rival only where each parameter that it
 /// has beyond the other explains more than one in twenty would by chance.
 constexpr double kNestedEvidence = 3.84;
-/// Of Akaike's criterion: a rival so much behind another has less than a seventh of its support.
+/// Akaike's criterion: a rival so much behind another has less than a seventh of its support.
 constexpr double kPredictsLess = 4.0;
 constexpr int kRivalReplicates = 99;
-/// Of a found torque's size, by how much one that contains it may differ within its 95 % interval, and the
-/// found one still be the only answer.
+/// Share of a found torque by which one that contains it may differ within its 95 % interval, and the found
+/// one still be the only answer.
 constexpr double kMaterialDoubt = 0.25;
 constexpr double kWithin95 = 2.0;
-/// Of what Stribeck's friction explains, the share from which on dry friction may be all there is.
+/// Share of what Stribeck's friction explains from which on dry friction may be all there is.
 constexpr double kNearlyAll = 0.85;
 
 /// What the search for rivals of one found effect shares.
@@ -103,7 +103,7 @@ class RivalSearch {
            rival.fit->objective < found_.objective + std::max(as_well, kNoDifference * gain_) * unit_;
   }
 
-  // Of two effects of which one contains the other, the information criterion has chosen.
+  // The information criterion has chosen between two effects of which one contains the other.
   bool decidedByNesting(const Candidate& rival) const {
     if (contains(own_, *rival.atom->recipe)) {
       return true;
@@ -113,9 +113,8 @@ class RivalSearch {
     return contains(*rival.atom->recipe, own_) && gain < kNestedEvidence * more;
   }
 
-  // Of rivals of which one contains the other, evidence chooses as above; of those that contain what was
-  // found, one is named, which would predict best; of any, those stay that would predict nearly as well as
-  // the best of them.
+  // Evidence chooses as above where one rival contains the other. Where several contain what was found, the
+  // one that would predict best is named. The others stay if they would predict nearly as well as the best.
   void dropOutdone(std::vector<const Candidate*>& rivals) const {
     const auto outdone = [&](const Candidate* rival, const Candidate* other) {
       const double gain = (other->fit->objective - rival->fit->objective) / unit_;

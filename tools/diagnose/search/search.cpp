@@ -31,8 +31,8 @@ bool isOscillation(const Atom& atom) {
   return atom.recipe != nullptr && atom.recipe->kind == "tremor";
 }
 
-// Of the columns, what is not spanned already; `before` are their squared lengths before the fit's share was
-// taken out.
+// The part of the columns that is not spanned already; `before` are their squared lengths before the fit's
+// share was taken out.
 std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::MatrixXd>& columns,
                                              const Eigen::VectorXd& before) {
   std::vector<Eigen::VectorXd> kept;

@@ -81,7 +81,7 @@ class Screening {
   /// drawn from their tolerance. One value a replicate.
   std::vector<double> chance(const Statistic& statistic) const;
 
-  /// Of each atom.
+  /// One for each atom.
   const std::vector<ScreenedGroup>& groups() const noexcept { return groups_; }
   /// Orthonormal columns of an atom: weighted rows, the fit's share taken out, and the priors' rows below.
   Eigen::MatrixXd basis(std::size_t atom) const;

@@ -59,7 +59,7 @@ class Looker {
   struct Shape {
     /// Whatever may take up something: free parameters, nuisance, the atom.
     Eigen::MatrixXd all;
-    /// Of the same, weighted, with the priors' rows below.
+    /// Solves for the same, weighted, with the priors' rows below.
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
     /// The atom's basis: columns whose products with a residual are those of the weighted ones.
     Eigen::MatrixXd unweighted;

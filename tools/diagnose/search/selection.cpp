@@ -19,8 +19,8 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of the mean square that is left of a joint's torque, what an effect has to explain: less is nothing that
-/// anyone would miss, however sure it is.
+/// Share of the mean square that is left of a joint's torque that an effect has to explain: less is nothing
+/// that anyone would miss, however sure it is.
 constexpr double kLeastShare = 0.03;
 /// The same of a tremor whose gain, in units of chance, is below kClearLine. A person who walks or swings a
 /// leg pushes in a spectrum that has humps, which drawn noise does not have.
@@ -120,7 +120,7 @@ class Selector {
     return p_value;
   }
 
-  // Of position or velocity only: a person's push comes and goes with time, activation and torque.
+  // Only position and velocity count: a person's push comes and goes with time, activation and torque.
   void noteUnsteady(const Candidate& candidate, double p_value) {
     const Recipe& recipe = *candidate.atom->recipe;
     const std::string_view variable = betrayingVariable(recipe.kind);
@@ -155,7 +155,7 @@ class Selector {
     return fit.residual.segment(joint * rows, rows).squaredNorm();
   }
 
-  // Of the mean square that is left of a joint's torque, the largest share that goes.
+  // The largest share of the mean square left of a joint's torque that goes.
   double shareOf(const ModelFit& larger) const {
     double share = 0.0;
     for (int joint = 0; joint < fitter_.data().joints(); ++joint) {

@@ -34,7 +34,7 @@ struct Selection {
   ModelFit fit;
   std::vector<Evidence> evidence;  ///< one for each term of the fit; empty for declared ones
   std::vector<SelectionStep> steps;
-  /// Of the last candidate of position or velocity that chance does not bring, but that does not hold in
+  /// The last candidate of position or velocity that chance does not bring, but that does not hold in
   /// every part of the recording.
   std::optional<Dependence> unsteady;
 };

@@ -14,8 +14,9 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of a stiffness that comes and goes, in Hz: slower than a patient moves, or motion and stiffness could not
-/// be told apart. Many more than this many frequencies would cost more than they find.
+/// A stiffness that comes and goes does so slower than this, in Hz: slower than a patient moves, or motion
+/// and stiffness could not be told apart. Many more than this many frequencies would cost more than they
+/// find.
 constexpr double kFastestChange_Hz = 0.6;
 constexpr int kMostFrequencies = 120;
 
@@ -52,7 +53,7 @@ void addCoupling(const Dataset& data, FunctionAtoms& atoms) {
   }
 }
 
-// Of a spring's stiffness; none where the recording is too short for any.
+// Frequencies of a spring's stiffness; none where the recording is too short for any.
 std::vector<double> slowSwings_Hz(const Dataset& data) {
   const double duration_s = data.time_s().maxCoeff() - data.time_s().minCoeff();
   if (data.isStatic() || duration_s * kFastestChange_Hz < 3.0) {
@@ -112,7 +113,7 @@ void addChangingInertia(const Dataset& data, const ModelFit& fit, FunctionAtoms&
   }
 }
 
-// Of the second and third power of speed.
+// Drag of the second and third power of speed.
 void addDrag(const Dataset& data, FunctionAtoms& atoms) {
   for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
     const auto power = [&](double exponent) {

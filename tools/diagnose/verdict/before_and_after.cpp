@@ -27,7 +27,7 @@ void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
   }
 }
 
-// Of the model's errors on held-out data; `unit_Nm` is each joint's.
+// Compares the model's errors on held-out data; `unit_Nm` is each joint's.
 bool isWorse(const Diagnosis& result, const std::vector<double>& unit_Nm) {
   double more = 0.0;
   for (std::size_t joint = 0; joint < unit_Nm.size(); ++joint) {

@@ -23,7 +23,7 @@ struct Contradictions {
 constexpr double kDeviations999 = 3.2905;
 constexpr double kMaterialShare = 0.5;
 constexpr double kSignificant = 1e-3;
-/// Of the squared error, what may be left at most where recordings are fitted apart.
+/// Share of the squared error that may be left at most where recordings are fitted apart.
 constexpr double kSameMachine = 0.7;
 
 // The weighted rows of one recording, zeros elsewhere: an autoregression starts anew in each block.

@@ -166,8 +166,8 @@ constexpr double kWorthASecondLook = 0.1;
 /// Whoever looks twice has two chances to be wrong: the second gets half as much room.
 constexpr double kLevelOfSecondLook = 0.5;
 
-/// Of the level, what functions that swing with time get: there are many of them, and a person's pushes come
-/// and go, too.
+/// Share of the level that functions which swing with time get: there are many of them, and a person's pushes
+/// come and go, too.
 constexpr double kShareOfSwings = 0.3;
 
 class Tester {

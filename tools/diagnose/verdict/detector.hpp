@@ -28,7 +28,7 @@ class Detector {
   /// would not be seen twice. `threshold`: fall of −2 log-likelihood that chance is held against.
   Detector(const Dataset& data, const ModelFit& fit, double threshold);
 
-  /// Of the first column, beside the other ones, which come with it.
+  /// Judges the first column, beside the other ones, which come with it.
   Detectable of(const Eigen::Ref<const Eigen::MatrixXd>& columns, int joint) const;
   double threshold() const noexcept { return threshold_; }
 

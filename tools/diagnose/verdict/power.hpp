@@ -19,8 +19,8 @@ inline constexpr double kFourInFive = 0.84;
 /// where nothing tells it from the given parameters. `noise_Nm`: rms of what the fit leaves there.
 double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm);
 
-/// Of every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or are
-/// declared: the median over typical shapes, the ones a torque changes most first.
+/// One for every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or
+/// are declared: the median over typical shapes, the ones a torque changes most first.
 std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  double threshold);

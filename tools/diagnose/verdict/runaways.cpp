@@ -17,9 +17,9 @@ namespace patella::diagnose {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-/// Of an interval's half, and of a bound: nearer than this a value stands at the bound.
+/// Share of an interval's half, or of a bound: nearer than this a value stands at the bound.
 constexpr double kTouches = 1e-3;
-/// Of its declared strength, below which an effect has vanished.
+/// Share of its declared strength below which an effect has vanished.
 constexpr double kNothingLeft = 0.01;
 constexpr double kPercent = 100.0;
 

@@ -19,7 +19,7 @@ constexpr double kHighest_Hz = 12.0;
 /// Neighbours that tell what the power would be without a line: beyond the line's own width, within this.
 constexpr double kLineWidth_Hz = 0.6;
 constexpr double kNeighbourhood_Hz = 2.0;
-/// Of a line's power above its neighbourhood, what may stand beside it up to this distance. A control loop
+/// Share of a line's power above its neighbourhood that may stand beside it. A control loop
 /// that a late drive makes ring has a hump in its spectrum; a tremor's line has no such shoulders.
 constexpr double kShoulder = 0.04;
 constexpr double kShoulder_Hz = 1.1;

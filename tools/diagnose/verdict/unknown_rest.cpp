@@ -8,7 +8,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// Of the torque that the model lacks, the share that a smooth function must find behind the named effects
+/// Share of the torque that the model lacks that a smooth function must find behind the named effects
 /// for all to be called unknown. Below, it may as well be that nature's effect is not quite the library's, or
 /// that a person's push goes with the motion.
 constexpr double kUnknownShare = 0.2;

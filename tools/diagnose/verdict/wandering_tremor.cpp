@@ -13,7 +13,7 @@ namespace {
 
 /// Below this a line in the spectrum counts as tremor.
 constexpr double kTremorP = 1e-6;
-/// Of the residual's root mean square, its amplitude at least.
+/// Amplitude over the residual's root mean square, at least.
 constexpr double kLeastTremor = 0.35;
 
 std::optional<TremorLine> lineOf(const Dataset& wide, const Column& residual, int joint) {

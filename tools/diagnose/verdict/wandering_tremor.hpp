@@ -10,9 +10,9 @@
 
 namespace patella::diagnose {
 
-/// Of each joint without a tremor, by its line in what a model leaves of the torque, unless what was found
-/// rings by itself, or the line comes from the form of a late drive. The model cannot foresee it, so it can
-/// be named and not added.
+/// Looks on each joint without a tremor for its line in what a model leaves of the torque, unless what was
+/// found rings by itself, or the line comes from the form of a late drive. The model cannot foresee it, so it
+/// can be named and not added.
 std::vector<EffectFinding> wanderingTremors(const Dataset& wide, const app::ModelDescription& extended,
                                             std::span<const EffectFinding> found);
 
