@@ -29,7 +29,7 @@ Case shortCase(std::uint64_t seed, Suite suite, const std::string& effect, const
 }  // namespace
 
 TEST_CASE("a case follows from its seed to the bit") {
-  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kUnknown}) {
+  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kUnknown, Suite::kDefect}) {
     const Case first = drawCase(7, suite);
     const Case again = drawCase(7, suite);
     CHECK(sameBits(first, again));
@@ -176,7 +176,7 @@ TEST_CASE("the model handed over is wrong by up to a tenth, and complete otherwi
 TEST_CASE("every kind can be drawn and leaves the robot under control") {
   for (const KindInfo& info : allKinds()) {
     CAPTURE(info.name);
-    const Suite suite = info.in_library ? Suite::kSingle : Suite::kUnknown;
+    const Suite suite = info.in_library ? Suite::kSingle : info.defect ? Suite::kDefect : Suite::kUnknown;
     const Case drawn = drawCase(
         31, suite, {.effect = std::string(info.name), .mechanism = {}, .motion = {}, .strength = 1.0});
     CHECK(drawn.run.stable);

@@ -63,11 +63,13 @@ struct Place {
   std::size_t joint;
 };
 
-std::vector<Place> places(const Rig& rig, bool in_library, const std::string& wanted) {
+std::vector<Place> places(const Rig& rig, Suite suite, const std::string& wanted) {
+  const bool defect = suite == Suite::kDefect;
+  const bool in_library = !defect && suite != Suite::kUnknown;
   std::vector<Place> result;
   for (const KindInfo& info : allKinds()) {
     for (std::size_t j = 0; j < rig.body.joints(); ++j) {
-      if (info.in_library == in_library && (wanted.empty() || info.name == wanted) &&
+      if (info.in_library == in_library && info.defect == defect && (wanted.empty() || info.name == wanted) &&
           applicable(info.kind, j, rig)) {
         result.push_back({info.kind, j});
       }
@@ -164,8 +166,7 @@ bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
   const bool two = drawn.suite == Suite::kDouble;
   while (drawn.effects.size() < (two ? 2U : 1U)) {
     const bool first = drawn.effects.empty();
-    const std::vector<Place> choice =
-        places(drawn.rig, drawn.suite != Suite::kUnknown, first ? wish.effect : std::string());
+    const std::vector<Place> choice = places(drawn.rig, drawn.suite, first ? wish.effect : std::string());
     if (choice.empty()) {
       return false;
     }
@@ -198,7 +199,7 @@ bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
 }  // namespace
 
 std::string_view suiteName(Suite suite) noexcept {
-  constexpr std::array<std::string_view, 4> kNames{"none", "single", "double", "unknown"};
+  constexpr std::array<std::string_view, 5> kNames{"none", "single", "double", "unknown", "defect"};
   return kNames[static_cast<std::size_t>(suite)];
 }
 

@@ -18,6 +18,7 @@ enum class Suite {
   kSingle,   ///< one effect of the library
   kDouble,   ///< two of them
   kUnknown,  ///< one effect that the library has not
+  kDefect,   ///< one that breaks or wears on machines, which the library has not either
 };
 std::string_view suiteName(Suite suite) noexcept;
 

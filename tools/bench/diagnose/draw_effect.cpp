@@ -146,6 +146,30 @@ Parameters drawMachine(Random& random, Kind kind, const Scale& s, const Rig& rig
   }
 }
 
+Parameters drawDefect(Random& random, Kind kind, const Scale& s, const Rig& rig) {
+  const double level = 2.0 * s.human_Nm;
+  switch (kind) {
+    case Kind::kLoadTakenUp:
+      return {random.sign() * 2.0 * level, random.uniform(0.3, 0.6) * rig.duration_s};
+    case Kind::kRelaxingTissue:
+      return {2.0 * level / s.range_rad, random.uniform(0.3, 3.0)};
+    case Kind::kDraggingBrake:
+      return {2.0 * level, random.uniform(2.0, 8.0)};
+    case Kind::kEccentricBearing:
+      return {2.0 * level / s.speed_rad_s, random.uniform(0.5, 1.5) / s.range_rad, random.uniform(-kPi, kPi)};
+    case Kind::kSnaggingCable: {
+      const double side = random.sign();
+      return {4.0 * level / s.range_rad, s.centre_rad + side * random.uniform(-0.2, 0.4) * s.range_rad, side};
+    }
+    case Kind::kWeakeningDrive:
+      return {0.2, 2.0 * s.speed_rad_s};
+    case Kind::kDeadZone:
+      return {level};
+    default:  // kDeratingDrive
+      return {0.2, random.uniform(0.3, 1.0) * rig.duration_s};
+  }
+}
+
 Parameters drawPatient(Random& random, Kind kind, const Scale& s, const Rig& rig, std::size_t joint) {
   const double level = 2.0 * s.human_Nm;
   const double channel =
@@ -234,6 +258,16 @@ TrueEffect drawEffect(Random& random, Kind kind, std::size_t joint, const Rig& r
     case Kind::kEmgStiffness:
       effect.p = drawPatient(random, kind, scale, rig, joint);
       break;
+    case Kind::kLoadTakenUp:
+    case Kind::kRelaxingTissue:
+    case Kind::kDraggingBrake:
+    case Kind::kEccentricBearing:
+    case Kind::kSnaggingCable:
+    case Kind::kWeakeningDrive:
+    case Kind::kDeadZone:
+    case Kind::kDeratingDrive:
+      effect.p = drawDefect(random, kind, scale, rig);
+      break;
     default:
       effect.p = drawMachine(random, kind, scale, rig, joint);
   }
@@ -262,6 +296,9 @@ Pair sizeLimits(const Rig& rig, const TrueEffect& effect) {
       return {1e-4, 0.1};
     case Kind::kVaryingInertia:
       return {0.0, 0.5 * inertia};
+    case Kind::kWeakeningDrive:
+    case Kind::kDeratingDrive:
+      return {1e-4, 0.5};
     default:
       return {0.0, kUnlimited};
   }

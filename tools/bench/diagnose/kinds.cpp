@@ -113,10 +113,49 @@ constexpr std::array kTable{
              0b0,
              false,
              "activation q"},
+    // A weight that is there from p[1] on.
+    KindInfo{Kind::kLoadTakenUp, "load_taken_up", {"torque", "from_s"}, 0b01, 0b0, false, "time", true},
+    // Spring and damper in series; p[1]: the time in which it gives way.
+    KindInfo{
+        Kind::kRelaxingTissue, "relaxing_tissue", {"stiffness", "time_s"}, 0b01, 0b0, false, "q dq", true},
+    // Rubs for a third of each period p[1].
+    KindInfo{
+        Kind::kDraggingBrake, "dragging_brake", {"level", "period_s"}, 0b01, 0b0, false, "time dq", true},
+    // Viscous friction that goes with the angle.
+    KindInfo{Kind::kEccentricBearing,
+             "eccentric_bearing",
+             {"coefficient", "cycles_per_rad", "phase"},
+             0b001,
+             0b0,
+             false,
+             "dq q",
+             true},
+    // A spring on one side, of which little comes back.
+    KindInfo{Kind::kSnaggingCable,
+             "snagging_cable",
+             {"stiffness", "from", "side"},
+             0b001,
+             0b0,
+             false,
+             "q dq",
+             true},
+    // Back-EMF: the faster, the less torque.
+    KindInfo{Kind::kWeakeningDrive,
+             "weakening_drive",
+             {"share_at_speed", "speed"},
+             0b01,
+             0b0,
+             false,
+             "tau dq",
+             true},
+    // Nothing comes of a torque that is smaller.
+    KindInfo{Kind::kDeadZone, "dead_zone_of_drive", {"torque"}, 0b1, 0b0, false, "tau", true},
+    // Less and less comes of a torque as the drive warms up.
+    KindInfo{Kind::kDeratingDrive, "derating_drive", {"share", "time_s"}, 0b01, 0b0, false, "tau time", true},
 };
 
-static_assert(kTable.back().kind == Kind::kEmgStiffness &&
-              kTable.size() == static_cast<std::size_t>(Kind::kEmgStiffness) + 1);
+static_assert(kTable.back().kind == Kind::kDeratingDrive &&
+              kTable.size() == static_cast<std::size_t>(Kind::kDeratingDrive) + 1);
 
 }  // namespace
 

@@ -42,6 +42,15 @@ enum class Kind {
   kRubbingSpot,
   kHardeningSpring,
   kEmgStiffness,
+  // What breaks or wears on machines.
+  kLoadTakenUp,
+  kRelaxingTissue,
+  kDraggingBrake,
+  kEccentricBearing,
+  kSnaggingCable,
+  kWeakeningDrive,
+  kDeadZone,
+  kDeratingDrive,
 };
 
 inline constexpr std::size_t kMaxParameters = 6;
@@ -58,6 +67,7 @@ struct KindInfo {
   /// What its torque depends on, separated by blanks: "q", "dq", "ddq", "tau", "activation" of its joint,
   /// "other_q" the other joint's angle, "time". The first is what betrays it; any of them is a right answer.
   std::string_view variables;
+  bool defect = false;  ///< what breaks or wears: the suite of its own that nothing was tuned to
 };
 
 std::span<const KindInfo> allKinds() noexcept;

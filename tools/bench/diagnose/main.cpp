@@ -59,7 +59,8 @@ constexpr const char* kRules = R"(Rules
   Payload, rotor inertia of a first or only joint and torque gain of a single joint are what other nominal
   parameters would be: drawn in physical sizes and counted apart. So is viscous friction of less than a fifth of
   the damping that the model declares, which is within two standard deviations of it.
-Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And planted:
+Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And defect: what
+  breaks or wears on machines, one of eight kinds that nothing was tuned to. And planted:
   halves of measured recordings with the model that the other half led to, plain or with a drawn effect added to the
   measured torque. And conventions: measured recordings as they are and with one wrong convention each, with the
   makers' model, plain and with fitted friction. Named: refused with the right convention among those
@@ -74,7 +75,7 @@ Suite suiteOf(const std::string& name, std::size_t index) {
            : place < kDoubles ? Suite::kDouble
                               : Suite::kUnknown;
   }
-  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble}) {
+  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kDefect}) {
     if (suiteName(suite) == name) {
       return suite;
     }
@@ -250,7 +251,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->capture_default_str();
   app.add_option("--first", options.first, "number of the first case of the seed")->capture_default_str();
   app.add_option("--suite", options.suite, "what is missing")
-      ->check(CLI::IsMember({"single", "double", "none", "unknown", "all", "planted", "conventions"}))
+      ->check(
+          CLI::IsMember({"single", "double", "none", "unknown", "defect", "all", "planted", "conventions"}))
       ->capture_default_str();
   app.add_option("--data", options.data,
                  "folder of measured recordings, for the suites planted and conventions")

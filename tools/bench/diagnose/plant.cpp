@@ -44,6 +44,12 @@ Pair dryFriction(const TrueEffect& effect, double q, double dq, double drive_Nm,
       const double level = p[0] * std::exp(-square((q - p[1]) / p[2]));
       return {level, level};
     }
+    case Kind::kDraggingBrake: {
+      constexpr double kShareOfTime = 1.0 / 3.0;
+      const double place = time_s / p[1];
+      const double level = place - std::floor(place) < kShareOfTime ? p[0] : 0.0;
+      return {level, level};
+    }
     default:
       return {};
   }
@@ -213,6 +219,35 @@ double Plant::humanTorque(const TrueEffect& effect, Memory& memory, const Instan
   }
 }
 
+double Plant::defectTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const {
+  const auto& p = effect.p;
+  const double q = now.q[effect.joint];
+  const double dq = now.dq[effect.joint];
+  const double drive_Nm = now.drive_Nm[effect.joint];
+  switch (effect.kind) {
+    case Kind::kLoadTakenUp:
+      return now.time_s > p[1] ? p[0] : 0.0;
+    case Kind::kRelaxingTissue:
+      memory.stretch += kStep_s * (dq - memory.stretch / p[1]);
+      return -p[0] * memory.stretch;
+    case Kind::kEccentricBearing:
+      return -p[0] * (1.0 + std::sin(kTurn * p[1] * q + p[2])) * dq;
+    case Kind::kSnaggingCable: {
+      constexpr double kComesBack = 0.3;
+      const double pull = p[0] * std::max(0.0, p[2] * (q - p[1]));
+      return -p[2] * pull * (p[2] * dq > 0.0 ? 1.0 : kComesBack);
+    }
+    case Kind::kWeakeningDrive:
+      return -p[0] * drive_Nm * std::min(1.0, std::abs(dq) / p[1]);
+    case Kind::kDeadZone:
+      return -std::clamp(drive_Nm, -p[0], p[0]);
+    case Kind::kDeratingDrive:
+      return -p[0] * (1.0 - std::exp(-now.time_s / p[1])) * drive_Nm;
+    default:
+      return 0.0;
+  }
+}
+
 double Plant::softTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const {
   const auto& p = effect.p;
   const double q = now.q[effect.joint];
@@ -247,7 +282,7 @@ double Plant::softTorque(const TrueEffect& effect, Memory& memory, const Instant
     case Kind::kHardeningSpring:
       return -p[0] * (q - p[1]) * (q - p[1]) * (q - p[1]);
     default:
-      return humanTorque(effect, memory, now);
+      return effect.info().defect ? defectTorque(effect, memory, now) : humanTorque(effect, memory, now);
   }
 }
 

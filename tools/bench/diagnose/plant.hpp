@@ -69,6 +69,7 @@ class Plant {
  private:
   struct Memory {
     double bristle = 0.0;          // LuGre
+    double stretch = 0.0;          // of tissue that relaxes
     std::vector<double> velocity;  // spasticity: one a step
   };
   struct Motor {
@@ -101,6 +102,7 @@ class Plant {
   double signalAt(const std::vector<double>& signal, double time_s) const noexcept;
   double driveTorque(std::size_t joint, double time_s);
   double softTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const;
+  double defectTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const;
   double humanTorque(const TrueEffect& effect, Memory& memory, const Instant& now) const;
   Pair solveVelocity(const Pair& middle, const Pair& rate, const Load& load) const;
 

@@ -99,7 +99,7 @@ Outcome outcomeOf(const Truth& truth, const Diagnosis& diagnosis, const Score& s
   if (diagnosis.verdict == Verdict::kInsufficientExcitation) {
     return Outcome::kAbstained;
   }
-  if (truth.suite == Suite::kUnknown && unknown) {
+  if ((truth.suite == Suite::kUnknown || truth.suite == Suite::kDefect) && unknown) {
     return Outcome::kRight;
   }
   if (unknown) {

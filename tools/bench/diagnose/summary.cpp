@@ -142,7 +142,7 @@ std::string parameterText(std::span<const CaseResult> results) {
 
 std::string heldoutText(std::span<const CaseResult> results) {
   std::string lines = "\nHeld-out error in units of the true noise: median before → after, worst after\n";
-  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kUnknown}) {
+  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kUnknown, Suite::kDefect}) {
     std::vector<double> before, after;
     std::size_t worse = 0;
     for (const CaseResult& one : results) {
@@ -263,7 +263,7 @@ Confusion confusionOf(std::span<const CaseResult> results) {
 
 std::string summaryText(std::span<const CaseResult> results) {
   std::string lines = "\nOutcomes\n";
-  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kUnknown}) {
+  for (const Suite suite : {Suite::kNone, Suite::kSingle, Suite::kDouble, Suite::kUnknown, Suite::kDefect}) {
     lines += outcomes(results, suite);
   }
   const auto falseDiscovery = [](const CaseResult& one) { return !one.diagnosis.effects.empty(); };
@@ -282,6 +282,9 @@ std::string summaryText(std::span<const CaseResult> results) {
   line("two effects: a false finding", of(Suite::kDouble), falseFinding);
   line("unknown effect: called unknown", of(Suite::kUnknown), was(Outcome::kRight));
   line("unknown effect: called an effect of the library", of(Suite::kUnknown), falseFinding);
+  line("a defect: called unknown", of(Suite::kDefect), was(Outcome::kRight));
+  line("a defect: called an effect of the library", of(Suite::kDefect), was(Outcome::kFalse));
+  line("a defect: nothing missing", of(Suite::kDefect), was(Outcome::kNothing));
   const auto asked = [](const CaseResult& one) {
     return diagnosed(one) && one.score.right_variable.has_value();
   };

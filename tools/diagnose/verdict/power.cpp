@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -125,9 +126,10 @@ std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const
                    .torque_rms_Nm = size.torque_Nm,
                    .share_of_torque = size.torque_Nm / rest.torque_Nm});
   }
-  std::stable_sort(all.begin(), all.end(), [](const Revealed& a, const Revealed& b) {
-    return std::pair(!isCommon(a), -a.share_of_torque) < std::pair(!isCommon(b), -b.share_of_torque);
-  });
+  const auto rank = [](const Revealed& revealed) {
+    return std::tuple(!isCommon(revealed), -revealed.share_of_torque, revealed.kind, revealed.joint);
+  };
+  std::sort(all.begin(), all.end(), [&](const Revealed& a, const Revealed& b) { return rank(a) < rank(b); });
   return all;
 }
 
