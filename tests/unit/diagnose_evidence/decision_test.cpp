@@ -39,7 +39,7 @@ TEST_CASE("dry friction is found, with its size") {
 }
 
 TEST_CASE("a declared effect that is not what was declared is no other effect") {
-  app::ModelDescription model = pendulum();
+  model::ModelDescription model = pendulum();
   std::vector<double> parameters;
   for (const model::EffectParameter& parameter : model::findEffect("viscous_friction")->parameters) {
     parameters.push_back(parameter.name == "coefficient_Nms_rad" ? 0.2 : parameter.initial);

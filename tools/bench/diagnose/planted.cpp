@@ -43,7 +43,7 @@ Recording part(const Recording& whole, double from, double to) {
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
-  app::ModelDescription model;  ///< that the other half led to
+  model::ModelDescription model;  ///< that the other half led to
 };
 
 struct Plant {
@@ -159,7 +159,8 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
             recording.torque_Nm[j].begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-diagnose::Diagnosis decide(const Recording& recording, const app::ModelDescription& model, bool by_evidence) {
+diagnose::Diagnosis decide(const Recording& recording, const model::ModelDescription& model,
+                           bool by_evidence) {
   return by_evidence ? diagnose::evidence::decide(std::span(&recording, 1), model, {})
                      : diagnose::diagnose(std::span(&recording, 1), {}, model, {});
 }
@@ -244,7 +245,7 @@ std::string runPlanted(const PlantedOptions& options) {
     const double length = (half.to - half.from) * random.uniform(0.75, 1.0);
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
     Recording recording = part(half.source->recording, from, from + length);
-    const model::DynamicsModel bare = app::makeModel({.mechanism = half.model.mechanism, .effects = {}});
+    const model::DynamicsModel bare = model::makeModel({.mechanism = half.model.mechanism, .effects = {}});
     std::optional<Plant> plant;
     if (!random.chance(options.plain_share)) {
       const auto joint = static_cast<int>(random.below(static_cast<std::size_t>(recording.joints)));

@@ -123,12 +123,12 @@ Prepared prepare(std::span<const Recording> recordings, bool pushed) {
 
 }  // namespace
 
-Diagnosis decide(std::span<const Recording> recordings, const app::ModelDescription& model,
+Diagnosis decide(std::span<const Recording> recordings, const model::ModelDescription& model,
                  const DecisionOptions& options) {
   const Prepared prepared = prepare(recordings, !options.person_Nm.empty());
   Inference inference(prepared.data, prepared.asked, model, recordedChannels(recordings),
                       options.nominal_tolerance,
-                      knownNoise_Nm(recordings, app::makeModel(model).mechanism(), prepared.data.band_Hz(),
+                      knownNoise_Nm(recordings, model::makeModel(model).mechanism(), prepared.data.band_Hz(),
                                     options.person_Nm));
   const Explanation best = inference.search();
   Diagnosis result;

@@ -17,7 +17,7 @@ struct DecisionOptions {
 };
 
 /// Effects, what is unexplained, the extended model and the verdict; nothing else of a diagnosis.
-Diagnosis decide(std::span<const Recording> recordings, const app::ModelDescription& model,
+Diagnosis decide(std::span<const Recording> recordings, const model::ModelDescription& model,
                  const DecisionOptions& options);
 
 }  // namespace patella::diagnose::evidence

@@ -160,10 +160,10 @@ class Drive {
 
 }  // namespace
 
-LinkTorque linkTorque(const Dataset& data, const app::ModelDescription& model) {
-  app::ModelDescription link = model;
-  std::erase_if(link.effects, [](const app::EffectDescription& effect) { return isOfDrive(effect.kind); });
-  model::DynamicsModel dynamics = app::makeModel(link);
+LinkTorque linkTorque(const Dataset& data, const model::ModelDescription& model) {
+  model::ModelDescription link = model;
+  std::erase_if(link.effects, [](const model::EffectDescription& effect) { return isOfDrive(effect.kind); });
+  model::DynamicsModel dynamics = model::makeModel(link);
   LinkTorque torque;
   for (const Series& series : data.series()) {
     torque.emplace_back();

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose::evidence {
@@ -43,11 +43,11 @@ struct Family {
 /// Torque that a model needs on the link side for the recorded motion, before the band: of each series, each
 /// sample, each joint. Effects of the drive are left out.
 using LinkTorque = std::vector<std::vector<JointVector>>;
-LinkTorque linkTorque(const Dataset& data, const app::ModelDescription& model);
+LinkTorque linkTorque(const Dataset& data, const model::ModelDescription& model);
 
 /// In all of these `data` has to outlive the families.
 /// Effects of motion, EMG and time alone, and the rigid body's own base parameters beyond their tolerance.
-std::vector<Family> motionFamilies(const Dataset& data, const app::ModelDescription& nominal,
+std::vector<Family> motionFamilies(const Dataset& data, const model::ModelDescription& nominal,
                                    std::span<const int> channels);
 /// Effects between the drive's torque and the link's. The torque is predicted from the motion: what the drive
 /// has to give follows from the link's torque by the inverse of what the drive does to it, so that no effect

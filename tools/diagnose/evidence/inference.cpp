@@ -27,18 +27,18 @@ constexpr int kFirstRounds = 30;
 /// That the second start takes more: it comes from farther away.
 constexpr int kMoreRounds = 6;
 
-model::BaseParameters baseOf(const app::MechanismDescription& mechanism) {
-  return app::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
+model::BaseParameters baseOf(const model::MechanismDescription& mechanism) {
+  return model::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
 }
 
 }  // namespace
 
-Inference::Inference(const Dataset& data, const Dataset& asked, const app::ModelDescription& nominal,
+Inference::Inference(const Dataset& data, const Dataset& asked, const model::ModelDescription& nominal,
                      std::span<const int> channels, double nominal_tolerance, std::vector<double> noise_Nm)
     : data_(&data),
       asked_(&asked),
       nominal_(nominal),
-      bare_(app::makeModel({.mechanism = nominal.mechanism, .effects = {}})),
+      bare_(model::makeModel({.mechanism = nominal.mechanism, .effects = {}})),
       moments_(data),
       noise_Nm_(std::move(noise_Nm)) {
   const JointVector zero = JointVector::Zero(data.joints());
@@ -70,7 +70,7 @@ void Inference::addFixed(const Eigen::VectorXd& column, double sd) {
 
 void Inference::addMechanism(const Eigen::MatrixXd& regressor, double tolerance) {
   constexpr double kStep = 1e-4;
-  app::MechanismDescription mechanism = nominal_.mechanism;
+  model::MechanismDescription mechanism = nominal_.mechanism;
   const model::BaseParameters base = baseOf(mechanism);
   for (const PhysicalParameter& parameter : physicalParameters(mechanism)) {
     const double value = *parameter.value;
@@ -81,7 +81,7 @@ void Inference::addMechanism(const Eigen::MatrixXd& regressor, double tolerance)
 }
 
 void Inference::addDeclared(double tolerance) {
-  for (const app::EffectDescription& description : nominal_.effects) {
+  for (const model::EffectDescription& description : nominal_.effects) {
     const auto recipe = declaredRecipe(description);
     if (!recipe) {
       continue;
@@ -150,8 +150,8 @@ Eigen::Index Inference::firstCoefficient(const Explanation& explanation, std::si
   return first;
 }
 
-app::ModelDescription Inference::describe(const Explanation& explanation) const {
-  app::ModelDescription description = nominal_;
+model::ModelDescription Inference::describe(const Explanation& explanation) const {
+  model::ModelDescription description = nominal_;
   Eigen::Index i = 0;
   for (const PhysicalParameter& parameter : physicalParameters(description.mechanism)) {
     const double value = *parameter.value * std::exp(explanation.posterior.mean[i++]);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/evidence/evidence.hpp"
 #include "tools/diagnose/evidence/families.hpp"
 #include "tools/diagnose/evidence/moments.hpp"
@@ -41,7 +41,7 @@ class Inference {
  public:
   /// `noise_Nm`: rms of what sensors and declared pushes make of each joint's torque. `data`, and `asked`,
   /// the same recordings with the motion that was asked for, have to outlive it.
-  Inference(const Dataset& data, const Dataset& asked, const app::ModelDescription& nominal,
+  Inference(const Dataset& data, const Dataset& asked, const model::ModelDescription& nominal,
             std::span<const int> channels, double nominal_tolerance, std::vector<double> noise_Nm);
 
   /// The nominal model within its tolerance.
@@ -65,7 +65,7 @@ class Inference {
   /// Index of an effect's first coefficient in the posterior.
   Eigen::Index firstCoefficient(const Explanation& explanation, std::size_t effect) const;
   /// The nominal model with what an explanation adds.
-  app::ModelDescription describe(const Explanation& explanation) const;
+  model::ModelDescription describe(const Explanation& explanation) const;
 
  private:
   void addMechanism(const Eigen::MatrixXd& regressor, double tolerance);
@@ -95,7 +95,7 @@ class Inference {
 
   const Dataset* data_;
   const Dataset* asked_;
-  app::ModelDescription nominal_;
+  model::ModelDescription nominal_;
   model::DynamicsModel bare_;  ///< the mechanism alone
   Moments moments_;
   Other other_, none_;

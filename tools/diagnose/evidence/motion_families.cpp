@@ -80,10 +80,10 @@ Family baseParameters(const Dataset& data, const Dynamics& dynamics) {
 
 }  // namespace
 
-std::vector<Family> motionFamilies(const Dataset& data, const app::ModelDescription& nominal,
+std::vector<Family> motionFamilies(const Dataset& data, const model::ModelDescription& nominal,
                                    std::span<const int> channels) {
   const auto dynamics = std::make_shared<const model::DynamicsModel>(
-      app::makeModel({.mechanism = nominal.mechanism, .effects = {}}));
+      model::makeModel({.mechanism = nominal.mechanism, .effects = {}}));
   std::vector<std::string> kinds;
   for (const std::string& kind : consideredKinds({})) {
     if (!isOfDrive(kind) && kind != "tremor" && kind != "torque_ripple") {
