@@ -48,7 +48,7 @@ Recording part(const Recording& whole, double from, double to) {
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
-  app::ModelDescription model;  ///< that the other half led to
+  model::ModelDescription model;  ///< that the other half led to
 };
 
 /// Kinds whose torque grows with one number, and what else a planted one of the kind has.
@@ -160,7 +160,7 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
 }
 
 // Nothing where the recording is refused.
-std::optional<diagnose::Diagnosis> decide(const Recording& recording, const app::ModelDescription& model) {
+std::optional<diagnose::Diagnosis> decide(const Recording& recording, const model::ModelDescription& model) {
   try {
     diagnose::Diagnosis diagnosis = diagnose::diagnose(std::span(&recording, 1), {}, model, {});
     keepAsserted(diagnosis);
@@ -194,17 +194,17 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
 
 // Whether the other half speaks against an effect: added to the model that this half led to, it makes the
 // error of its joint larger there.
-bool contradicted(const diagnose::EffectFinding& finding, const app::ModelDescription& extended,
+bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDescription& extended,
                   const Half& half) {
-  const auto is = [&](const app::EffectDescription& effect) {
+  const auto is = [&](const model::EffectDescription& effect) {
     return effect.kind == finding.kind && effect.joint == finding.joint;
   };
   const auto found = std::find_if(extended.effects.rbegin(), extended.effects.rend(), is);
   if (found == extended.effects.rend()) {
     return false;
   }
-  app::ModelDescription with = half.model;
-  std::erase_if(with.effects, [&](const app::EffectDescription& effect) {
+  model::ModelDescription with = half.model;
+  std::erase_if(with.effects, [&](const model::EffectDescription& effect) {
     return effect.joint == finding.joint &&
            std::find(finding.replaces.begin(), finding.replaces.end(), effect.kind) != finding.replaces.end();
   });
@@ -212,7 +212,7 @@ bool contradicted(const diagnose::EffectFinding& finding, const app::ModelDescri
   const Recording other =
       part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
   const diagnose::Dataset data(std::span(&other, 1), {});
-  const auto error = [&](const app::ModelDescription& model) {
+  const auto error = [&](const model::ModelDescription& model) {
     return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
   };
   return error(with) > error(half.model);
@@ -381,9 +381,9 @@ class PlantedCases {
 
  private:
   static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
-                                                            const app::ModelDescription& best,
+                                                            const model::ModelDescription& best,
                                                             const Plant& plant) {
-    plantIn(recording, plant, app::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
+    plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
     return decide(recording, best);
   }
 

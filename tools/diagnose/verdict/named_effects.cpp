@@ -51,7 +51,7 @@ bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
   return own < kOverRest * kOverRest * rest;
 }
 
-void addTremors(const AnalysedRecordings& recordings, const app::ModelDescription& extended,
+void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,
                 const Column& left, std::span<const double> noise_Nm, const DiagnoseOptions& options,
                 Diagnosis& diagnosis) {
   const auto& kinds = options.effects;
