@@ -1,4 +1,4 @@
-// A joint whose torque is known, for tests of the inference by evidence.
+// A joint whose torque is known, for tests of noise and of what is left.
 #pragma once
 
 #include <cmath>

@@ -51,9 +51,31 @@ void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway
   }
 }
 
+// What is known of a parameter beside its physical range.
+struct Standing {
+  std::array<double, 2> range{};
+  bool anything = false;  ///< its interval holds the whole range
+  bool at_low = false, at_high = false;
+  bool holds_zero = false;
+};
+
+Standing standingOf(const std::array<double, 2>& range, const ParameterEstimate& estimate) {
+  const auto [from, to] = estimate.ci95;
+  const auto touches = [&](double bound) {
+    return std::isfinite(bound) &&
+           std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));
+  };
+  return {.range = range,
+          .anything = from < to && from <= range[0] && to >= range[1],
+          .at_low = touches(range[0]),
+          .at_high = touches(range[1]),
+          .holds_zero = from < 0.0 && to > 0.0};
+}
+
 void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate, const Units& units,
                  std::vector<Runaway>& all) {
-  const std::array<double, 2> range = physicalRange(effect.kind, estimate.name);
+  const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
+  const auto [low, high] = stands.range;
   const std::string unit = splitName(estimate.name, units).unit;
   const std::string what = label(effect.kind, effect.joint) + " " + estimate.name;
   const auto add = [&](double limit, const std::string& words) {
@@ -63,24 +85,18 @@ void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate,
                    .limit = limit,
                    .words = parameterWords(what, units) + " " + words});
   };
-  const double low = range[0], high = range[1];
-  const double from = estimate.ci95[0], to = estimate.ci95[1];
-  const auto touches = [&](double bound) {
-    return std::isfinite(bound) &&
-           std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));
-  };
-  if (from < to && from <= low && to >= high) {
+  if (stands.anything) {
     add(kNone, fmt::format("may be anything: the interval holds its whole range, {} to {}",
                            withUnit(low, unit), withUnit(high, unit)));
     return;
   }
-  if (touches(low) || touches(high)) {
-    const double bound = touches(low) ? low : high;
+  if (stands.at_low || stands.at_high) {
+    const double bound = stands.at_low ? low : high;
     add(bound, fmt::format("stands at {}, the end of its range", withUnit(bound, unit)));
   } else if (estimate.at_bound) {
     add(estimate.value, fmt::format("stands at {}, where the search ends", withUnit(estimate.value, unit)));
   }
-  if (from < 0.0 && to > 0.0 && (low >= 0.0 || isStrength(effect.kind, estimate.name))) {
+  if (stands.holds_zero && (low >= 0.0 || isStrength(effect.kind, estimate.name))) {
     add(0.0, fmt::format("{}{}{} may be zero", valueWithInterval(estimate.value, estimate.ci95),
                          unit.empty() ? "" : " ", unit));
   }
@@ -172,6 +188,22 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
 }
 
 }  // namespace
+
+bool strengthIsUnknown(const EffectFinding& effect) {
+  const bool has_strengths =
+      std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                  [&](const ParameterEstimate& estimate) { return isStrength(effect.kind, estimate.name); });
+  for (const ParameterEstimate& estimate : effect.parameters) {
+    // What has no strength is as large as its first parameter says.
+    const bool counts =
+        has_strengths ? isStrength(effect.kind, estimate.name) : &estimate == &effect.parameters.front();
+    const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
+    if (counts && !stands.anything && !stands.at_low && !stands.at_high && !stands.holds_zero) {
+      return false;
+    }
+  }
+  return true;
+}
 
 std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDescription& given,
                                 const FitOptions& tolerances) {
