@@ -23,6 +23,7 @@
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {
 namespace {
@@ -302,18 +303,29 @@ std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
   return text;
 }
 
-// What the search had against an effect that it did not take: "gain 12 of 9: stability".
+// What stands against an effect that was not found: "gain 12 of 9: stability", or the doubts.
 std::string refusal(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
-  if (!diagnosis || diagnosis->steps.empty()) {
+  if (!diagnosis) {
     return {};
   }
   const std::string label = fmt::format("{}@{}", plant.kind, plant.joint + 1);
-  for (const diagnose::CandidateScore& score : diagnosis->steps.back().ranking) {
-    if (score.label == label) {
-      return fmt::format("gain {:.1f} of {:.1f}: {}", score.gain, score.threshold, score.refused_because);
+  for (const std::string& warning : diagnosis->warnings) {
+    if (warning.starts_with(label)) {
+      return warning;
     }
   }
-  return {};
+  if (!diagnosis->steps.empty()) {
+    for (const diagnose::CandidateScore& score : diagnosis->steps.back().ranking) {
+      if (score.label == label) {
+        return fmt::format("gain {:.1f} of {:.1f}: {}", score.gain, score.threshold, score.refused_because);
+      }
+    }
+  }
+  std::string doubts;
+  for (const diagnose::Doubt& doubt : diagnosis->doubts) {
+    doubts += fmt::format(" {}", diagnose::doubtName(doubt.kind));
+  }
+  return doubts;
 }
 
 }  // namespace
