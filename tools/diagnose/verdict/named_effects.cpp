@@ -38,7 +38,8 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     }
     for (const FreeFunction& function : free) {
       if (function.holds(t)) {
-        effects.back().indistinguishable_from.push_back("any function of " + function.dependence.variable);
+        effects.back().not_asserted_because =
+            "any function of " + function.dependence.variable + " explains as much";
       }
     }
   }
@@ -123,10 +124,10 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   }
   if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(),
                    [](const EffectFinding& effect) { return effect.asserted(); })) {
-    diagnosis.doubts.push_back(
-        {Doubt::kOutweighed,
-         "What was found explains less than what nothing explains, or is of unknown size, so that it may be a "
-         "part of something else that is missing."});
+    diagnosis.doubts.push_back({Doubt::kOutweighed,
+                                "What was found explains less than what nothing explains, or is of unknown "
+                                "size, so that it may be a "
+                                "part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);
