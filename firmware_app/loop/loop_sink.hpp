@@ -32,7 +32,7 @@ class LoopSink {
  public:
   virtual ~LoopSink() = default;
 
-  /// Before the first tick, and after the last.
+  /// Before the first tick, and after the last. The frames that end a run follow.
   virtual void begin() noexcept = 0;
   virtual void end() noexcept = 0;
 
