@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/conventions.hpp"
 #include "tools/bench/diagnose/in_parallel.hpp"

@@ -20,7 +20,10 @@
 #include "tools/bench/diagnose/measured_rigs.hpp"
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {
 namespace {
@@ -46,14 +49,16 @@ Recording part(const Recording& whole, double from, double to) {
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
-  app::ModelDescription model;  ///< that the other half led to
+  model::ModelDescription model;  ///< that the other half led to
 };
 
 /// Kinds whose torque grows with one number, and what else a planted one of the kind has.
 constexpr std::array kKinds{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                             "rotor_inertia",    "payload",          "actuator_lag",     "actuator_delay"};
-/// Largest strength that is planted, in units of the smallest that would have been revealed.
+/// Largest strength that is planted, in units of the smallest that would have been revealed. …
 constexpr double kStrongest = 5.0;
+/// … And as a share of the joint's torque: what is more would be another machine.
+constexpr double kLargestShare = 1.0;
 
 struct Plant {
   std::string kind;
@@ -95,7 +100,8 @@ std::optional<Plant> drawPlant(const diagnose::Diagnosis& plain, const Recording
   std::vector<const diagnose::Revealed*> possible;
   for (const diagnose::Revealed& revealed : plain.revealed) {
     const bool drawn = std::find(kKinds.begin(), kKinds.end(), revealed.kind) != kKinds.end();
-    if (drawn && std::isfinite(revealed.smallest_size) && revealed.smallest_size > 0.0) {
+    if (drawn && std::isfinite(revealed.smallest_size) && revealed.smallest_size > 0.0 &&
+        revealed.share_of_torque < kLargestShare) {
       possible.push_back(&revealed);
     }
   }
@@ -104,7 +110,10 @@ std::optional<Plant> drawPlant(const diagnose::Diagnosis& plain, const Recording
   }
   const diagnose::Revealed& smallest = *possible[random.below(possible.size())];
   Plant plant{.kind = smallest.kind, .joint = smallest.joint, .parameters = {}, .main = smallest.parameter};
-  plant.in_smallest = random.chance(0.5) ? 1.0 : random.logUniform(1.0, kStrongest);
+  plant.in_smallest =
+      random.chance(0.5)
+          ? 1.0
+          : random.logUniform(1.0, std::min(kStrongest, kLargestShare / smallest.share_of_torque));
   plant.size =
       plant.in_smallest * smallest.smallest_size * (plant.kind == "torque_bias" ? random.sign() : 1.0);
   plant.parameters = parametersOf(
@@ -152,7 +161,7 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
 }
 
 // Nothing where the recording is refused.
-std::optional<diagnose::Diagnosis> decide(const Recording& recording, const app::ModelDescription& model) {
+std::optional<diagnose::Diagnosis> decide(const Recording& recording, const model::ModelDescription& model) {
   try {
     diagnose::Diagnosis diagnosis = diagnose::diagnose(std::span(&recording, 1), {}, model, {});
     keepAsserted(diagnosis);
@@ -184,8 +193,34 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
   return halves;
 }
 
+// Whether the other half speaks against an effect: added to the model that this half led to, it makes the
+// error of its joint larger there.
+bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDescription& extended,
+                  const Half& half) {
+  const auto is = [&](const model::EffectDescription& effect) {
+    return effect.kind == finding.kind && effect.joint == finding.joint;
+  };
+  const auto found = std::find_if(extended.effects.rbegin(), extended.effects.rend(), is);
+  if (found == extended.effects.rend()) {
+    return false;
+  }
+  model::ModelDescription with = half.model;
+  std::erase_if(with.effects, [&](const model::EffectDescription& effect) {
+    return effect.joint == finding.joint &&
+           std::find(finding.replaces.begin(), finding.replaces.end(), effect.kind) != finding.replaces.end();
+  });
+  with.effects.push_back(*found);
+  const Recording other =
+      part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
+  const diagnose::Dataset data(std::span(&other, 1), {});
+  const auto error = [&](const model::ModelDescription& model) {
+    return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
+  };
+  return error(with) > error(half.model);
+}
+
 struct Counts {
-  std::size_t plain = 0, plain_false = 0, plain_refused = 0, nothing_shows = 0;
+  std::size_t plain = 0, plain_named = 0, plain_false = 0, plain_refused = 0, nothing_shows = 0;
   std::size_t at_smallest = 0, found_at_smallest = 0;
   std::size_t above = 0, right_above = 0;
   std::size_t other = 0, unknown = 0, nothing = 0, poor = 0, refused = 0;  ///< of all planted
@@ -243,16 +278,17 @@ void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plan
 
 std::string heading() {
   return fmt::format(
-      "  {:<34}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n", "",
-      "plain", "false", "refused", "none", "at size", "found", "above", "right", "other", "unknown",
-      "nothing", "poor", "refused", "sized", "holds");
+      "  {:<34}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n",
+      "", "plain", "named", "false", "refused", "none", "at size", "found", "above", "right", "other",
+      "unknown", "nothing", "poor", "refused", "sized", "holds");
 }
 
 std::string line(const std::string& name, const Counts& c) {
   return fmt::format(
-      "  {:<34}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n", name,
-      c.plain, c.plain_false, c.plain_refused, c.nothing_shows, c.at_smallest, c.found_at_smallest, c.above,
-      c.right_above, c.other, c.unknown, c.nothing, c.poor, c.refused, c.sized, c.interval_holds);
+      "  {:<34}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n",
+      name, c.plain, c.plain_named, c.plain_false, c.plain_refused, c.nothing_shows, c.at_smallest,
+      c.found_at_smallest, c.above, c.right_above, c.other, c.unknown, c.nothing, c.poor, c.refused, c.sized,
+      c.interval_holds);
 }
 
 std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
@@ -267,6 +303,31 @@ std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
   return text;
 }
 
+// What stands against an effect that was not found: "gain 12 of 9: stability", or the doubts.
+std::string refusal(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
+  if (!diagnosis) {
+    return {};
+  }
+  const std::string label = fmt::format("{}@{}", plant.kind, plant.joint + 1);
+  for (const std::string& warning : diagnosis->warnings) {
+    if (warning.starts_with(label)) {
+      return warning;
+    }
+  }
+  if (!diagnosis->steps.empty()) {
+    for (const diagnose::CandidateScore& score : diagnosis->steps.back().ranking) {
+      if (score.label == label) {
+        return fmt::format("gain {:.1f} of {:.1f}: {}", score.gain, score.threshold, score.refused_because);
+      }
+    }
+  }
+  std::string doubts;
+  for (const diagnose::Doubt& doubt : diagnosis->doubts) {
+    doubts += fmt::format(" {}", diagnose::doubtName(doubt.kind));
+  }
+  return doubts;
+}
+
 }  // namespace
 
 class PlantedCases {
@@ -276,7 +337,7 @@ class PlantedCases {
     if (!options.out.empty()) {
       std::filesystem::create_directories(options.out);
       table_.open(options.out / "planted.csv");
-      table_ << "case,rig,recording,from,to,plain,planted,parameter,size,in_smallest,answer\n";
+      table_ << "case,rig,recording,from,to,plain,planted,parameter,size,in_smallest,answer,refusal\n";
     }
   }
 
@@ -293,21 +354,26 @@ class PlantedCases {
       answer = diagnosePlanted(recording, plain->extended, *plant);
     }
     const std::string kind = plant ? plant->kind : "nothing";
+    const bool is_false =
+        plain && std::any_of(plain->effects.begin(), plain->effects.end(),
+                             [&](const auto& effect) { return contradicted(effect, plain->extended, half); });
     const std::lock_guard lock(mutex_);
     for (Counts* counts : {&sum_, &by_rig_[half.source->rig], &by_kind_[kind]}) {
       ++counts->plain;
-      counts->plain_false += plain && !plain->effects.empty() ? 1 : 0;
+      counts->plain_named += plain && !plain->effects.empty() ? 1 : 0;
+      counts->plain_false += is_false ? 1 : 0;
       counts->plain_refused += plain ? 0 : 1;
       counts->nothing_shows += plain && !plant ? 1 : 0;
       if (plant) {
         mark(answer, *plant, *counts);
       }
     }
-    const std::string row = fmt::format(
-        "{},{},{},{:.3f},{:.3f},{},{},{},{:.4g},{:.3f},{}", index, half.source->rig, half.source->name, from,
-        from + length, foundText(plain), plant ? fmt::format("{}@{}", plant->kind, plant->joint + 1) : "",
-        plant ? plant->main : "", plant ? plant->size : 0.0, plant ? plant->in_smallest : 0.0,
-        plant ? foundText(answer) : "");
+    const std::string row =
+        fmt::format("{},{},{},{:.3f},{:.3f},{},{},{},{:.4g},{:.3f},{},{}", index, half.source->rig,
+                    half.source->name, from, from + length, foundText(plain) + (is_false ? " FALSE" : ""),
+                    plant ? fmt::format("{}@{}", plant->kind, plant->joint + 1) : "",
+                    plant ? plant->main : "", plant ? plant->size : 0.0, plant ? plant->in_smallest : 0.0,
+                    plant ? foundText(answer) : "", plant ? refusal(answer, *plant) : "");
     std::fprintf(stderr, "%s\n", row.c_str());
     if (table_.is_open()) {
       table_ << row << "\n" << std::flush;
@@ -327,9 +393,9 @@ class PlantedCases {
 
  private:
   static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
-                                                            const app::ModelDescription& best,
+                                                            const model::ModelDescription& best,
                                                             const Plant& plant) {
-    plantIn(recording, plant, app::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
+    plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
     return decide(recording, best);
   }
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 
 namespace patella::diagnose {
 
@@ -205,7 +205,7 @@ struct Diagnosis {
   double curves_rate_Hz = 0.0;
   std::uint64_t seed = 0;
   std::vector<InputFile> inputs;
-  app::ModelDescription extended;  ///< what model.extended.toml holds
+  model::ModelDescription extended;  ///< what model.extended.toml holds
   std::string torque_unit = "N·m";
 };
 

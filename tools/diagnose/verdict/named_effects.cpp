@@ -51,7 +51,7 @@ bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
   return own < kOverRest * kOverRest * rest;
 }
 
-void addTremors(const AnalysedRecordings& recordings, const app::ModelDescription& extended,
+void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,
                 const Column& left, std::span<const double> noise_Nm, const DiagnoseOptions& options,
                 Diagnosis& diagnosis) {
   const auto& kinds = options.effects;
@@ -123,10 +123,10 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   }
   if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(),
                    [](const EffectFinding& effect) { return effect.asserted(); })) {
-    diagnosis.doubts.push_back(
-        {Doubt::kOutweighed,
-         "What was found explains less than what nothing explains, or is of unknown size, so that it may be a "
-         "part of something else that is missing."});
+    diagnosis.doubts.push_back({Doubt::kOutweighed,
+                                "What was found explains less than what nothing explains, or is of unknown "
+                                "size, so that it may be a "
+                                "part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);

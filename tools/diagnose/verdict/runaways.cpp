@@ -124,13 +124,14 @@ void addNominal(const RefittedParameter& parameter, double tolerance, const Unit
 
 /// The declared effect in the extended model; several of a kind on one joint keep their order. Nothing where
 /// it is gone.
-const app::EffectDescription* stillIn(std::span<const app::EffectDescription> extended,
-                                      std::span<const app::EffectDescription> declared, std::size_t index) {
-  const auto same = [&](const app::EffectDescription& effect) {
+const model::EffectDescription* stillIn(std::span<const model::EffectDescription> extended,
+                                        std::span<const model::EffectDescription> declared,
+                                        std::size_t index) {
+  const auto same = [&](const model::EffectDescription& effect) {
     return effect.kind == declared[index].kind && effect.joint == declared[index].joint;
   };
   auto before = std::count_if(declared.begin(), declared.begin() + static_cast<std::ptrdiff_t>(index), same);
-  for (const app::EffectDescription& effect : extended) {
+  for (const model::EffectDescription& effect : extended) {
     if (same(effect) && before-- == 0) {
       return &effect;
     }
@@ -139,7 +140,7 @@ const app::EffectDescription* stillIn(std::span<const app::EffectDescription> ex
 }
 
 /// What stands in a declared effect's place.
-const EffectFinding* replacementOf(const Diagnosis& diagnosis, const app::EffectDescription& declared) {
+const EffectFinding* replacementOf(const Diagnosis& diagnosis, const model::EffectDescription& declared) {
   const auto found =
       std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
         return effect.joint == declared.joint && std::find(effect.replaces.begin(), effect.replaces.end(),
@@ -148,12 +149,12 @@ const EffectFinding* replacementOf(const Diagnosis& diagnosis, const app::Effect
   return found == diagnosis.effects.end() ? nullptr : &*found;
 }
 
-void addDeclared(const Diagnosis& diagnosis, const app::ModelDescription& given, std::size_t index,
+void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& given, std::size_t index,
                  double tolerance, std::vector<Runaway>& all) {
-  const app::EffectDescription& declared = given.effects[index];
+  const model::EffectDescription& declared = given.effects[index];
   const std::string what = label(declared.kind, declared.joint);
   const EffectFinding* replacement = replacementOf(diagnosis, declared);
-  const app::EffectDescription* kept = stillIn(diagnosis.extended.effects, given.effects, index);
+  const model::EffectDescription* kept = stillIn(diagnosis.extended.effects, given.effects, index);
   if (replacement != nullptr || kept == nullptr) {
     all.push_back(
         {.what = what,
@@ -189,9 +190,9 @@ void addDeclared(const Diagnosis& diagnosis, const app::ModelDescription& given,
 }  // namespace
 
 bool strengthIsUnknown(const EffectFinding& effect) {
-  const bool has_strengths = std::any_of(
-      effect.parameters.begin(), effect.parameters.end(),
-      [&](const ParameterEstimate& estimate) { return isStrength(effect.kind, estimate.name); });
+  const bool has_strengths =
+      std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                  [&](const ParameterEstimate& estimate) { return isStrength(effect.kind, estimate.name); });
   for (const ParameterEstimate& estimate : effect.parameters) {
     // What has no strength is as large as its first parameter says.
     const bool counts =
@@ -204,7 +205,7 @@ bool strengthIsUnknown(const EffectFinding& effect) {
   return true;
 }
 
-std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDescription& given,
+std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDescription& given,
                                 const FitOptions& tolerances) {
   std::vector<Runaway> all;
   addErrors("of the model as given", diagnosis.before, all);

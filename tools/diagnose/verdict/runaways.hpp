@@ -24,7 +24,7 @@ bool strengthIsUnknown(const EffectFinding& effect);
 /// of their range or with an interval that holds zero or the whole range, mechanism parameters beyond their
 /// tolerance, and declared effects of `given` that changed beyond theirs or vanished. Tolerances are standard
 /// deviations, relative.
-std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDescription& given,
+std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDescription& given,
                                 const FitOptions& tolerances);
 
 }  // namespace patella::diagnose
