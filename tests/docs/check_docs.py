@@ -10,6 +10,7 @@ It looks at the Markdown files of the top folder and of docs/:
             captions are left out, a piece of inline code is one word
   link      files and headings that links lead to exist
   index     docs/README.md names every page below docs/
+  key       docs/configuration.md names every key that the readers of the loop's files ask for
   picture   pictures exist, and each in docs/ is shown somewhere
   command   each command in a code block or in inline code that starts with tools/, tests/, patella, cmake or ctest:
             programs, subcommands and options are those of --help, scripts know their arguments, files exist,
@@ -19,6 +20,7 @@ Without --build programs are not asked for their options. Programs after --not-b
 """
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -28,6 +30,8 @@ from markdown import anchors, command_texts, links, paragraphs, sentences, words
 README_LINES = 120
 SENTENCE_WORDS = 25
 MEAN_WORDS = 18
+READERS = ("firmware_app/configuration/*.cpp", "firmware_app/files/*_file.cpp")
+KEY = re.compile(r"\.(?:choice|boolean|string|strings|path|integer)\(\s*\"(\w+)\"")
 PICTURES = {".svg", ".png", ".jpg"}
 
 
@@ -35,7 +39,7 @@ class Check:
     def __init__(self, root, commands):
         self.root, self.commands, self.faults = Path(root).resolve(), commands, []
         self.documents = sorted([*self.root.glob("*.md"), *(self.root / "docs").rglob("*.md")])
-        self.counted = {"sentences": 0, "links": 0, "pictures": 0, "commands": 0}
+        self.counted = {"sentences": 0, "links": 0, "pictures": 0, "keys": 0, "commands": 0}
         self.shown = set()
 
     def fault(self, kind, path, line, text):
@@ -58,6 +62,7 @@ class Check:
                     self.fault("command", document, line, error)
         self.counted["commands"] = self.commands.parsed
         self.index()
+        self.keys()
         self.pictures()
         return self.faults
 
@@ -96,6 +101,15 @@ class Check:
         for document in self.documents:
             if document.parent != self.root and document != index and document not in named:
                 self.fault("index", index, 0, f"does not name {document.relative_to(index.parent)}")
+
+    def keys(self):
+        reference = self.root / "docs/configuration.md"
+        named = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]+)`", reference.read_text())))) if reference.is_file() else set()
+        for source in sorted(path for pattern in READERS for path in self.root.glob(pattern)):
+            for key in sorted(set(KEY.findall(source.read_text()))):
+                self.counted["keys"] += 1
+                if key not in named:
+                    self.fault("key", source, 0, f"docs/configuration.md does not name {key}")
 
     def pictures(self):
         for picture in sorted((self.root / "docs").rglob("*")):

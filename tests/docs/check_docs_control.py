@@ -35,6 +35,8 @@ BAD = [
     ("README.md", "![away](docs/gone.png)", "README.md:11: picture: there is no docs/gone.png"),
     ("docs/other.md", "# Other", "docs/README.md: index: does not name other.md"),
     ("docs/unseen.png", "", "docs/unseen.png: picture: no document shows it"),
+    ("firmware_app/configuration/reader.cpp", 'table.boolean("gone", true);',
+     "firmware_app/configuration/reader.cpp: key: docs/configuration.md does not name gone"),
     ("README.md", "`tools/gone.sh`", "README.md:11: command: there is no tools/gone.sh"),
     ("README.md", "`tools/script.sh --slow`", "command: tools/script.sh does not know --slow"),
     ("README.md", "`patella-gone`", "command: CMake builds no program patella-gone"),
@@ -51,7 +53,7 @@ BAD = [
 
 
 def good_tree(root):
-    for folder in ("docs", "tools", "firmware_app"):
+    for folder in ("docs", "tools", "firmware_app/configuration"):
         (root / folder).mkdir(parents=True)
     (root / "README.md").write_text(GOOD)
     (root / "docs/README.md").write_text("# Index\n\n## Pages\n\n- [A page](page.md)\n\n![A picture](picture.png)\n")
