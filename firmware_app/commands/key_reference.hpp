@@ -1,4 +1,4 @@
-// What each key of the files means and what holds without it: the part of the configuration reference that
+// Meaning and default of each key of the files: the part of the configuration reference that
 // core/bounds does not know.
 #pragma once
 
