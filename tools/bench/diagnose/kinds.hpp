@@ -42,7 +42,7 @@ enum class Kind {
   kRubbingSpot,
   kHardeningSpring,
   kEmgStiffness,
-  // What breaks or wears on machines.
+  // Defects of machines by breaking or wear.
   kLoadTakenUp,
   kRelaxingTissue,
   kDraggingBrake,

@@ -123,7 +123,7 @@ std::optional<Plant> drawPlant(const diagnose::Diagnosis& plain, const Recording
   return plant;
 }
 
-// What the drive would have had to give with the effect there and the motion the same.
+// Torque that the drive would have had to give with the effect and the same motion.
 void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& mechanism) {
   constexpr double kEveryRow_Hz = 1e6;
   const diagnose::Dataset data(std::span(&recording, 1), {.evaluation_rate_Hz = kEveryRow_Hz});

@@ -41,7 +41,7 @@ class Reader {
 
  private:
   enum Freedom { kRubbing, kAllEffects };
-  /// What a motion needs from the drives, whatever they gave.
+  /// Torque that a motion needs from the drives, whatever they gave.
   struct Columns {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
     Eigen::MatrixXd effects;  ///< plain ones, four for each joint

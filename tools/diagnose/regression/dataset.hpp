@@ -100,7 +100,7 @@ class Dataset {
   Eigen::VectorXd variable(const std::function<double(const Series&, std::size_t)>& value) const;
   /// Time of each row, s.
   const Eigen::VectorXd& time_s() const noexcept { return time_s_; }
-  /// What the band leaves of a sinusoid.
+  /// Gain of the band for a sinusoid.
   double gain(double frequency_Hz) const noexcept;
 
  private:

@@ -55,7 +55,7 @@ inline constexpr double kFarthestShift_s = 0.25;
 inline constexpr double kLargestAngle_rad = 12.566;
 }  // namespace convention
 
-/// What of long recordings is analysed.
+/// Excerpts of long recordings.
 namespace length {
 /// The analysis holds a column of this length for every candidate, and its parameters are known to a few
 /// percent by then: longer is of no use and takes gigabytes.

@@ -36,7 +36,7 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
   };
   state("q", [](const Series& s, std::size_t i) { return s.states[i].q; });
   if (data.isStatic()) {
-    // What changed from posture to posture and is not in the recording.
+    // A variable that changed from posture to posture and is not in the recording.
     all.push_back({.name = "order",
                    .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
                    .factor = {}});

@@ -11,7 +11,7 @@
 
 namespace patella::diagnose {
 
-/// What a joint's signals show before anything is fitted, over all recordings.
+/// Excitation of a joint by its signals alone, over all recordings.
 struct JointSignals {
   double position_range_rad = 0.0;  ///< below 10 Hz
   double velocity_rms_rad_s = 0.0;  ///< below 10 Hz

@@ -24,7 +24,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kOwnShare = 0.01;
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
-/// What is commonly missing: these come first.
+/// Effects that are commonly missing: these come first.
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 

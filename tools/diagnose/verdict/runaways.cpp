@@ -51,7 +51,7 @@ void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway
   }
 }
 
-// What is known of a parameter beside its physical range.
+// Knowledge of a parameter beside its physical range.
 struct Standing {
   std::array<double, 2> range{};
   bool anything = false;  ///< its interval holds the whole range
@@ -139,7 +139,7 @@ const model::EffectDescription* stillIn(std::span<const model::EffectDescription
   return nullptr;
 }
 
-/// What stands in a declared effect's place.
+/// The effect that stands in a declared one's place.
 const EffectFinding* replacementOf(const Diagnosis& diagnosis, const model::EffectDescription& declared) {
   const auto found =
       std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
