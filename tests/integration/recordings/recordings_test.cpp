@@ -1,4 +1,4 @@
-// What people's EMG and a real arm must give when they pass through the whole loop. Bounds are set from what
+// Results of people's EMG and a real arm in the whole loop. Bounds are set from what
 // was measured, stated at each, with room for filters and calibration to be chosen otherwise but not for a
 // wrong sign, unit, delay or model.
 #include <algorithm>

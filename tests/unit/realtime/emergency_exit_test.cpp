@@ -1,4 +1,4 @@
-// What a dying process still does. The same with the whole loop is in tests/integration/signals.
+// Last actions of a dying process. The same with the whole loop is in tests/integration/signals.
 #include "firmware_app/realtime/emergency_exit.hpp"
 
 #include <array>
