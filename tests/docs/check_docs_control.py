@@ -24,7 +24,7 @@ run="patella run --clock virtual"; $run --seed 1
 ```
 """
 LONG = "This sentence has " + "very " * 22 + "many words."
-# What is put into a good tree, the file it goes into, and what the check has to say of it.
+# The file, the addition that spoils it in a good tree, and the fault that the check has to name.
 BAD = [
     ("README.md", "\n" * 121, "README.md: length: "),
     ("README.md", LONG, "README.md:11: sentence: 27 words"),

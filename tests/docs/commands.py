@@ -11,7 +11,7 @@ ASSIGNMENT = re.compile(r"^([A-Za-z_]\w*)=(.*)$", re.S)
 # Paths below these folders are the project's own; others are the reader's.
 OWN_FOLDERS = ("core/", "drivers/", "sim/", "firmware_app/", "tools/", "tests/", "docs/")
 SEPARATORS = {"&&", "||", ";", "|", "&", "(", ")", "|&"}
-# What a document leaves out or asks the reader to fill in.
+# Arguments that a document leaves out or asks the reader to fill in.
 PLACEHOLDER = re.compile(r"^(…|\.\.\.|N|[A-Z][A-Z_]*(\.\.\.)?|\[.*\]|<.*>)$")
 
 

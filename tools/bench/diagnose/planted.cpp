@@ -303,7 +303,7 @@ std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
   return text;
 }
 
-// What stands against an effect that was not found: "gain 12 of 9: stability", or the doubts.
+// Reasons against an effect that was not found: "gain 12 of 9: stability", or the doubts.
 std::string refusal(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
   if (!diagnosis) {
     return {};

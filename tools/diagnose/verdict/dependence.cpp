@@ -132,7 +132,7 @@ Atoms functionAtoms(const Dataset& data, const ModelFit& fit, std::span<const in
   return std::move(atoms).finished();
 }
 
-// What may take up what it can beside the fitted parameters: a constant on every joint, whose name is known
+// Free terms beside the fitted parameters: a constant on every joint, whose name is known
 // where there is one; and slow accelerations. A person's push moves the leg, so a residual always goes with
 // them to some degree; and that is straight proportion, which the inertias mostly take up.
 Eigen::MatrixXd nuisance(const Dataset& data) {

@@ -34,7 +34,7 @@ Detector::Detector(const Dataset& data, const ModelFit& fit, double threshold)
   const std::vector<Eigen::Index> given = givenParameters(fit);
   const auto count = static_cast<Eigen::Index>(given.size());
   const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent(Eigen::all, given));
-  // What a declared effect can take up is told as its change, however large: only masses are tied.
+  // Torque that a declared effect can take up is told as its change, however large: only masses are tied.
   Eigen::VectorXd prior = fit.prior_weight(given);
   prior.tail(count - static_cast<Eigen::Index>(fit.mechanism.size())).setZero();
   Eigen::MatrixXd tangent(slope.rows() + count, count);

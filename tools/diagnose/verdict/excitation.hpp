@@ -33,7 +33,7 @@ std::vector<JointSignals> jointSignals(std::span<const Recording> recordings);
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
                      const model::ModelDescription& model);
 
-/// What the motion alone says: range and velocity, joints at rest, single sinusoids, torque that is now and
+/// Signs of the motion alone: range and velocity, joints at rest, single sinusoids, torque that is now and
 /// then cut off; the latter three also as warnings.
 void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis);
 

@@ -194,7 +194,7 @@ bool strengthIsUnknown(const EffectFinding& effect) {
       std::any_of(effect.parameters.begin(), effect.parameters.end(),
                   [&](const ParameterEstimate& estimate) { return isStrength(effect.kind, estimate.name); });
   for (const ParameterEstimate& estimate : effect.parameters) {
-    // What has no strength is as large as its first parameter says.
+    // An effect without a strength is as large as its first parameter says.
     const bool counts =
         has_strengths ? isStrength(effect.kind, estimate.name) : &estimate == &effect.parameters.front();
     const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
