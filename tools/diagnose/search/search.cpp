@@ -277,7 +277,9 @@ std::vector<double> Screening::chance(const Statistic& statistic) const {
       if (group.count == 0 || (group.one_sided && products_(group.first, r) < 0.0F)) {
         continue;
       }
-      const double gain = products_.col(r).segment(group.first, group.count).squaredNorm() / group.unit;
+      const double square = products_.col(r).segment(group.first, group.count).squaredNorm();
+      // Where a fit leaves nothing at all, chance brings nothing, and its unit is none.
+      const double gain = square > 0.0 ? square / group.unit : 0.0;
       double& best = largest[static_cast<std::size_t>(r)];
       best = std::max(best, statistic(gain, group.dimensions));
     }

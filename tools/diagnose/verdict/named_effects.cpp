@@ -38,7 +38,8 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     }
     for (const FreeFunction& function : free) {
       if (function.holds(t)) {
-        effects.back().indistinguishable_from.push_back("any function of " + function.dependence.variable);
+        effects.back().not_asserted_because =
+            "any function of " + function.dependence.variable + " explains as much";
       }
     }
   }
