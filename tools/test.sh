@@ -139,6 +139,8 @@ headline "style"
 tools/checks/dependencies.sh
 tools/checks/bounds.sh
 tools/checks/format.sh
+headline "documentation of the API"
+tools/checks/api.sh
 headline "tests: release"
 ctest --preset release -j "$(nproc)" -LE uml
 ctest --preset release "${again[@]}" -L uml
