@@ -76,6 +76,17 @@ for spoilt in lacks "which ldd does not show" "has another SHA-256" "headers of 
   spoil "$spoilt"
 done
 
+echo "== SOUP and requirements in docs/iec62304.md"
+tables() { "$source_dir/tools/release/iec62304.py" --sbom "$bom" --check "$@"; }
+tables || fail "the tables of docs/iec62304.md are old"
+for spoilt in '/^| tomlplusplus /d' 's/^\(| eigen | .*\) MPL-2.0 /\1 MIT /' '0,/^| H2\.1 /{/^| H2\.1 /d}'; do
+  sed "$spoilt" "$source_dir/docs/iec62304.md" >"$scratch/spoilt.md"
+  ! cmp -s "$scratch/spoilt.md" "$source_dir/docs/iec62304.md" || fail "nothing is spoilt by $spoilt"
+  refuses "make them agree" tables --document "$scratch/spoilt.md"
+done
+sed 's/2\.36-9[^ |]*/2.41-1/' "$source_dir/docs/iec62304.md" >"$scratch/newer.md"
+tables --document "$scratch/newer.md" || fail "another version of a part is no reason to refuse"
+
 echo "== checksums and signature, with a key made for this test"
 for name in own other; do
   minisign -G -W -p "$scratch/$name.pub" -s "$scratch/$name.key" >/dev/null
