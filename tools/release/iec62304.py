@@ -19,7 +19,7 @@ PURPOSES = {
     "cli11": "command lines of the programs",
     "cmake": "build and packaging",
     "dpkg": "makes the Debian package",
-    "eigen": "vectors and matrices of every tick",
+    "eigen3": "vectors and matrices of every tick",
     "fmtlib": "text of messages and files, outside the loop thread",
     "gcc": "compiler, C++ standard library and its run time",
     "glibc": "C library: files, threads, clocks, sockets",
@@ -27,7 +27,7 @@ PURPOSES = {
     "libmd": "SHA-256 of weights and of a run's inputs",
     "linux": "the kernel's interface: SocketCAN, scheduling, memory locks",
     "ninja-build": "runs the build",
-    "nlohmann-json": "summary.json and the header of weights",
+    "nlohmann-json3": "summary.json and the header of weights",
     "spdlog": "events, outside the loop thread",
     "tomlplusplus": "configuration, models and maps, before the loop starts",
 }
@@ -42,7 +42,7 @@ def soup_rows(sbom):
         if kind is None:
             continue
         source, version = re.search(r" of source (\S+) (\S+)$", package["sourceInfo"]).groups()
-        name = re.sub(r"-?\d+(\.\d+)*$", "", source)
+        name = re.sub(r"-\d+$", "", source)
         if name not in PURPOSES:
             sys.exit(f"iec62304.py: nothing says what '{source}' is used for, expected a line in PURPOSES of {pathlib.Path(__file__).name}")
         part = parts.setdefault(name, {"kinds": set(), "licences": set(), "versions": set()})
