@@ -110,6 +110,17 @@ std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recip
   return std::make_shared<const Recipe>(std::move(smaller));
 }
 
+bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom) {
+  if (atom.recipe->coefficients() == 0) {
+    return false;
+  }
+  ModelFit beside = fit;
+  std::erase_if(beside.terms, [&](const Term& term) { return replaces(*atom.recipe, term); });
+  const std::vector<bool> own =
+      ownCoefficients(fitter.basis(*atom.recipe, atom.nu), effectColumns(fitter, beside));
+  return std::find(own.begin(), own.end(), true) == own.end();
+}
+
 std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom,
                                       const Screened& screened) {
   ModelFit start = fit;
