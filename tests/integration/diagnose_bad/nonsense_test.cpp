@@ -13,7 +13,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "spoilt_rigs.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/recordings/recording_file.hpp"
 

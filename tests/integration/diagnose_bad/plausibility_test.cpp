@@ -10,7 +10,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "spoilt_rigs.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 using namespace patella;

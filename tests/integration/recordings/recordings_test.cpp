@@ -3,8 +3,6 @@
 // wrong sign, unit, delay or model.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <string>
 
@@ -12,6 +10,7 @@
 
 #include "firmware_app/files/csv_table.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/studies/recordings/emg_study.hpp"
 #include "tools/studies/recordings/pendulum_study.hpp"
 
@@ -22,18 +21,11 @@ namespace {
 /// A fresh folder that goes with its runs.
 class RunFolders {
  public:
-  RunFolders() {
-    std::string name = (std::filesystem::temp_directory_path() / "patella-recordings-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folders_ = {.data = PATELLA_DATA_DIR, .project = PATELLA_SOURCE_DIR, .out = name};
-  }
-  ~RunFolders() { std::filesystem::remove_all(folders_.out); }
-  RunFolders(const RunFolders&) = delete;
-  RunFolders& operator=(const RunFolders&) = delete;
   const Folders& get() const noexcept { return folders_; }
 
  private:
-  Folders folders_;
+  patella::test::ScratchFolder out_;
+  Folders folders_{.data = PATELLA_DATA_DIR, .project = PATELLA_SOURCE_DIR, .out = out_.path()};
 };
 
 double medianLead(const EmgStudy& study) {

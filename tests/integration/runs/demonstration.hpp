@@ -8,7 +8,8 @@
 
 #include "drivers/can/bus.hpp"
 #include "firmware_app/configuration/run_config.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "firmware_app/recorder/loop_statistics.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace patella::test {
 

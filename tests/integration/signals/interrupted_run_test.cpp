@@ -17,7 +17,7 @@
 #include <utmp.h>
 
 #include "tests/integration/runs/loop_process.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;

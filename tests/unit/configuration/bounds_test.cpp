@@ -23,8 +23,8 @@
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/configuration/bound_carriers.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;

@@ -10,8 +10,8 @@
 #include "drivers/can/message_codec.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 #include "tools/convert/csv_to_log.hpp"
 
 using namespace patella;

@@ -15,7 +15,7 @@
 #include "firmware_app/files/json_file.hpp"
 #include "firmware_app/files/toml_shape.hpp"
 #include "firmware_app/files/toml_table.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::app;

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace patella::test {

@@ -8,7 +8,7 @@
 
 #include "core/network/attention_lstm.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/network/random_network.hpp"
 
 namespace patella::app {

@@ -14,7 +14,7 @@
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace patella::app {
 

@@ -23,6 +23,7 @@
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/regression/judgement_limits.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 
@@ -95,15 +96,18 @@ std::vector<double> parametersOf(const std::string& kind, const std::map<std::st
   return values;
 }
 
-// One of the effects that the recording as it is would have revealed: half of them exactly as large as the
-// smallest that it would have. Nothing where it would have revealed none.
+// One of the effects that the recording as it is would have revealed, on a joint whose drive can give their
+// torque: half of them exactly as large as the smallest that it would have. Nothing where there is none.
 std::optional<Plant> drawPlant(const diagnose::Diagnosis& best, const Recording& recording, Random& random) {
+  const diagnose::Dataset data(std::span(&recording, 1), {});
+  const std::vector<bool> driven = diagnose::drivenJoints(
+      data, model::makeModel({.mechanism = best.extended.mechanism, .effects = {}}).mechanism());
   std::vector<const diagnose::Revealed*> possible;
   for (const diagnose::Revealed& revealed : best.revealed) {
     const bool drawn = std::find(kKinds.begin(), kKinds.end(), revealed.kind) != kKinds.end();
     const bool late = revealed.kind == "actuator_lag" || revealed.kind == "actuator_delay";
-    if (drawn && std::isfinite(revealed.smallest_size) && revealed.smallest_size > 0.0 &&
-        revealed.share_of_torque < kLargestShare &&
+    if (drawn && driven[static_cast<std::size_t>(revealed.joint)] && std::isfinite(revealed.smallest_size) &&
+        revealed.smallest_size > 0.0 && revealed.share_of_torque < kLargestShare &&
         !(late && revealed.smallest_size > diagnose::convention::kLeastShift_s)) {
       possible.push_back(&revealed);
     }
@@ -363,7 +367,8 @@ class PlantedCases {
     const Recording recording = part(half.source->recording, from, from + length);
     const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
     const std::optional<diagnose::Diagnosis> best = plain ? decide(recording, plain->extended) : std::nullopt;
-    const std::optional<Plant> plant = best ? drawPlant(*best, recording, random) : std::nullopt;
+    const std::optional<Plant> plant =
+        best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
     std::optional<diagnose::Diagnosis> answer;
     if (plant) {
       answer = diagnosePlanted(recording, plain->extended, *plant);

@@ -255,7 +255,8 @@ void Screening::drawChance(const Dataset& data, const ModelFit& fit, const Scree
     if (group.count > 0) {
       group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
                    static_cast<double>(group.count * products_.cols());
-      results_[g].gain = results_[g].raw_gain / withMotion(group, group.unit);
+      const double raw = results_[g].raw_gain;
+      results_[g].gain = raw > 0.0 ? raw / withMotion(group, group.unit) : 0.0;
     }
   }
 }

@@ -152,8 +152,12 @@ Eigen::MatrixXd nuisance(const Dataset& data) {
 
 // Larger for what is less likely by chance.
 double surprise(double gain, int dimensions) {
-  if (dimensions == 0 || gain <= 0.0) {
+  if (dimensions == 0 || !(gain > 0.0)) {
     return 0.0;
+  }
+  if (!std::isfinite(gain)) {
+    // A fit that leaves nothing: chance would have brought nothing either.
+    return gain;
   }
   // Beyond this the tail has no digits left; the gain still orders.
   constexpr double kLeast = 1e-280;
