@@ -12,7 +12,7 @@
 
 namespace patella::app {
 
-/// What one tick measured, computed and sent. The references hold during the call alone.
+/// Measurement, results and command of one tick. The references hold during the call alone.
 struct TickReport {
   std::uint64_t tick = 0;              ///< periods since the start of the loop, the skipped ones included
   double time_s = 0.0;                 ///< scheduled instant since the start of the loop
