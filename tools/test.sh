@@ -112,6 +112,7 @@ fi
 headline "style"
 tools/checks/dependencies.sh
 tools/checks/bounds.sh
+tools/checks/thresholds.sh
 tools/checks/format.sh
 headline "tests: release"
 ctest --preset release -j "$(nproc)" -LE uml
