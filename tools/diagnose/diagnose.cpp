@@ -42,7 +42,7 @@ std::vector<int> movingJoints(std::span<const JointSignals> signals) {
   return moving;
 }
 
-// What a fit holds, declared or found.
+// The effects of a fit, declared or found.
 std::set<std::string> labelsIn(const ModelFit& fit) {
   std::set<std::string> labels;
   for (const Term& term : fit.terms) {

@@ -1,4 +1,4 @@
-// What long recordings cost. An hour is out of reach of a test; that ten minutes take hardly more than two
+// Memory of long recordings. An hour is out of reach of a test; that ten minutes take hardly more than two
 // tells as much.
 #include <doctest/doctest.h>
 

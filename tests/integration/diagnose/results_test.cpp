@@ -1,4 +1,4 @@
-// What a diagnosis leaves behind.
+// Files that a diagnosis leaves behind.
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 

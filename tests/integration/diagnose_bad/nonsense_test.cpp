@@ -88,7 +88,7 @@ Table tableOf(const SpoiltRig& rig) {
   return table;
 }
 
-/// What becomes of a file: read, and judged with the model.
+/// Outcome for a file: read, and judged with the model.
 Recording judged(const Table& table, const model::ModelDescription& model) {
   const ScratchFolder folder;
   app::writeFile(folder / "run.csv", table.csv());

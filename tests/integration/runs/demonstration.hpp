@@ -1,4 +1,4 @@
-// What tests of whole runs share: the demonstration's configuration, weights for it, and a bus that does what
+// Parts that tests of whole runs share: the demonstration's configuration, weights, and a bus that does what
 // a loop must not.
 #pragma once
 

@@ -15,7 +15,7 @@
 
 namespace patella::test {
 
-/// What it prints goes to the file `said`. `prepare` is called in the new process, right before the program
+/// Its output goes to the file `said`. `prepare` is called in the new process, right before the program
 /// takes its place.
 inline pid_t start(std::vector<std::string> arguments, const std::filesystem::path& said,
                    const std::function<void()>& prepare = {}) {

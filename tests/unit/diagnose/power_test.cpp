@@ -1,4 +1,4 @@
-// What a recording would have revealed.
+// Sizes of effects that a recording would have revealed.
 #include "tools/diagnose/verdict/power.hpp"
 
 #include <array>

@@ -70,7 +70,7 @@ std::vector<double> firstEstimate(const Recipe& recipe, const ModelFit& fit, con
 
 bool replaces(const Recipe& recipe, const Term& term) {
   const Recipe& other = *term.recipe;
-  // What was found with a shape of its own is no special case.
+  // A found effect with a shape of its own is no special case.
   return other.joint == recipe.joint && other.nonlinear.empty() &&
          std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
 }

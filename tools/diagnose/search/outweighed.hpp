@@ -1,4 +1,4 @@
-// What was found is asserted as far as it is more than what nothing explains.
+// Asserts the effects that explain more than the rest that nothing explains.
 #pragma once
 
 #include <span>

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kRivalReplicates = 99;
 
-/// What the search for rivals of one found effect shares.
+/// Data shared by the search for rivals of one found effect.
 class RivalSearch {
  public:
   RivalSearch(ModelFitter& fitter, const ModelFit& found, const ModelFit& smaller, std::size_t term,

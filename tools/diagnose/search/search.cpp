@@ -99,7 +99,7 @@ double clusteredVariance(const std::vector<Eigen::VectorXd>& basis, Eigen::Vecto
       sum += product * product;
     }
   }
-  // What the basis took up of the residual is missing in the sums.
+  // The part of the residual that the basis took up is missing in the sums.
   const auto taken = static_cast<double>(basis.size());
   return sum / taken * static_cast<double>(kClusters) / (static_cast<double>(kClusters) - taken);
 }

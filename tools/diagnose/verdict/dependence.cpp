@@ -37,7 +37,7 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
   };
   state("q", [](const Series& s, std::size_t i) { return s.states[i].q; });
   if (data.isStatic()) {
-    // What changed from posture to posture and is not in the recording.
+    // A variable that changed from posture to posture and is not in the recording.
     all.push_back({.name = "order",
                    .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
                    .factor = {}});
@@ -133,7 +133,7 @@ Atoms functionAtoms(const Dataset& data, const ModelFit& fit, std::span<const in
   return std::move(atoms).finished();
 }
 
-// What may take up what it can beside the fitted parameters: a constant on every joint, whose name is known
+// Free terms beside the fitted parameters: a constant on every joint, whose name is known
 // where there is one; and slow accelerations. A person's push moves the leg, so a residual always goes with
 // them to some degree; and that is straight proportion, which the inertias mostly take up.
 Eigen::MatrixXd nuisance(const Dataset& data) {

@@ -75,7 +75,7 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
   }
 }
 
-// What found effects explain includes what the declared ones did that they replaced.
+// The share of found effects includes that of the declared ones that they replaced.
 Eigen::VectorXd missingTorque(MissingEffects& found) {
   Eigen::VectorXd residual = found.nominal.residual;
   for (const Term& term : found.selection.fit.terms) {

@@ -22,7 +22,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
-/// What is commonly missing: these come first.
+/// Effects that are commonly missing: these come first.
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 

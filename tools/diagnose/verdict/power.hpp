@@ -1,4 +1,4 @@
-// What a recording would have revealed: of every effect that was looked for, the smallest size.
+// Power of a recording: the smallest size of every effect that it would have revealed.
 #pragma once
 
 #include <set>

@@ -8,7 +8,7 @@
 
 namespace patella::diagnose {
 
-/// What completes "possibly: " for an effect that is not asserted.
+/// Text after "possibly: " for an effect that is not asserted.
 inline constexpr const char* kUnknownStrengthWords = "how large it is the recording does not tell";
 
 /// Whether nothing that the effect's torque grows with is known: it stands at an end of its range, or its

@@ -33,7 +33,7 @@ std::string axisOf(const Condition& condition, int joint) {
   return fmt::format("{}{} / {}", condition.corrected ? "d" : "f_u", joint + 1, unitOf(condition));
 }
 
-/// What a network says of a motion, beside the truth; untested steps are gaps.
+/// A network's estimate of a motion, beside the truth; untested steps are gaps.
 struct Drawn {
   std::string title;
   std::vector<double> time_s;
