@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -19,6 +20,8 @@ namespace patella::diagnose {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+/// Share of an effect that declared effects have to leave: one that they take up shows as their change.
+constexpr double kOwnShare = 0.01;
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
 /// What is commonly missing: these come first.
@@ -41,6 +44,9 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   std::size_t index = 0;
   const auto& parameters = model::findEffect(recipe.kind)->parameters;
   if (!c.empty() && !strengths.empty()) {
+    if (factor > recipe.largest) {
+      return kNever;
+    }
     c.front() = factor;
     const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const auto& parameter) {
       return parameter.name == strengths.front().front();
@@ -48,6 +54,9 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
     index = static_cast<std::size_t>(found - parameters.begin());
   } else if (c.empty() && recipe.proportional) {
     nu.front() = std::abs(nu.front()) * factor;
+    if (nu.front() > recipe.nonlinear.front().upper) {
+      return kNever;
+    }
   } else {
     return std::nan("");
   }
@@ -60,12 +69,16 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   return value < parameters[index].maximum ? value : kNever;
 }
 
-Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
-            double structure_Nm) {
+// Nothing where what the model declares would take it up.
+std::optional<Size> sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
+                           double structure_Nm) {
   const Detectable shape = detector.of(atoms.of(atom), atom.joint);
+  if (shape.own_share < kOwnShare) {
+    return std::nullopt;
+  }
   const double torque_Nm = smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm);
   if (!std::isfinite(torque_Nm)) {
-    return {};
+    return Size{};
   }
   const double parameter = parameterAt(atom, shape, torque_Nm);
   return std::isinf(parameter) ? Size{} : Size{.torque_Nm = torque_Nm, .parameter = parameter};
@@ -115,7 +128,12 @@ std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const
     const double noise_Nm = jointRms(data, fit.residual, joint);
     std::vector<Size> sizes;
     for (const Atom* point : someAtoms(points)) {
-      sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm));
+      if (const auto size = sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm)) {
+        sizes.push_back(*size);
+      }
+    }
+    if (sizes.empty()) {
+      continue;
     }
     const Size size = median(std::move(sizes));
     const std::string& kind = points.front()->recipe->kind;
