@@ -26,7 +26,7 @@ void readLoop(const TomlTable& table, RunConfig& config) {
       table.choice("clock", std::vector<std::string>{"monotonic", "virtual"}, "monotonic") == "virtual"
           ? ClockKind::kVirtual
           : ClockKind::kMonotonic;
-  readInteger(table, boundOf("loop.warmup_ticks"), config.loop.warmup_ticks);
+  readInteger(table, boundOf("loop.warmup_ticks"), config.warmup_ticks);
   config.loop.stall_tolerated_s =
       number(table, boundOf("loop.stall_tolerated_s"), config.loop.stall_tolerated_s, config.rehearsal);
   config.watchdog.timeout_s =

@@ -18,9 +18,9 @@
 #include "drivers/gpio/gpiod_pins.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
 #include "firmware_app/configuration/estimation_config.hpp"
-#include "firmware_app/loop/loop.hpp"
-#include "firmware_app/realtime/realtime_setup.hpp"
-#include "firmware_app/realtime/watchdog.hpp"
+#include "firmware_app/loop/loop_options.hpp"
+#include "firmware_app/realtime/realtime_options.hpp"
+#include "firmware_app/realtime/watchdog_options.hpp"
 #include "sim/rig.hpp"
 
 namespace patella::app {
@@ -73,6 +73,7 @@ struct RunConfig {
   /// an interface that leads to a wire.
   bool rehearsal = false;
   LoopOptions loop;
+  int warmup_ticks = 200;  ///< heap operations and page faults are counted from here on
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
   std::uint64_t min_free_bytes = 50'000'000;  ///< on the recording's disk

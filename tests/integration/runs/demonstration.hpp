@@ -8,6 +8,7 @@
 
 #include "drivers/can/bus.hpp"
 #include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/recorder/loop_statistics.hpp"
 #include "tests/unit/files/scratch_folder.hpp"
 
 namespace patella::test {

@@ -7,6 +7,7 @@
 
 #include "core/safety/leaky_score.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/loop_faults.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tools/bench/faults/expectation.hpp"
@@ -249,7 +250,15 @@ TrialResult runTrial(const app::RunConfig& scenario, std::uint64_t seed) {
   sim::DisturbedClock loop_clock(clock, scenario.faults);
   sim::DisturbedPins loop_pins(pins, loop_clock, scenario.faults);
   sim::StallProbe stalls(loop_clock);
-  app::Loop loop(scenario.loop, loop_clock, judge, loop_pins, decoder, encoder, *tick, nullptr);
+  app::RunAccount account;
+  app::Loop loop({.options = scenario.loop,
+                  .clock = loop_clock,
+                  .bus = judge,
+                  .pins = loop_pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   loop.probedBy(stalls);
   const std::atomic<bool> stop{false};
   loop.run(stop);
@@ -264,7 +273,7 @@ TrialResult runTrial(const app::RunConfig& scenario, std::uint64_t seed) {
   const bool at_the_end = judge.stopped_s >= kTrialDuration_s - 1e-3;
   result.stopped_s = at_the_end ? -1.0 : judge.stopped_s;
   result.stopped_before = result.stopped_s >= 0.0 && result.stopped_s < kFirstFault_s;
-  result.first_cause = loop.statistics().latched.first();
+  result.first_cause = account.statistics().latched.first();
   result.reactions = reactions(scenario, *rig, judge, result.stopped_s);
   return result;
 }

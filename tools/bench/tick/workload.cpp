@@ -14,6 +14,7 @@
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
 #include "firmware_app/recorder/recorder.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tools/bench/inference/contender.hpp"
 
@@ -183,7 +184,15 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
   recording.joints = config.model.joints();
   recording.lossless = !pace.real_time;
   app::Recorder recorder(recording);
-  app::Loop loop(config.loop, clock, *bus, pins, decoder, encoder, *tick, &recorder);
+  app::RunAccount account({.warmup_ticks = config.warmup_ticks}, &recorder);
+  app::Loop loop({.options = config.loop,
+                  .clock = clock,
+                  .bus = *bus,
+                  .pins = pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   loop.probedBy(meter);
 
   const std::atomic<bool> stop{false};
@@ -195,7 +204,7 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
   } else {
     loop.run(stop);
   }
-  return loop.statistics();
+  return account.statistics();
 }
 
 }  // namespace patella::bench
