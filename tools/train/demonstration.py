@@ -1,17 +1,22 @@
 #!/usr/bin/env python3
 """Trains the network of the demonstration: draws rigs, patients and motions, records the loop on them in virtual time,
-fits the network, scores it on drawn recordings that it was not trained on, and seals it.
+fits and seals the network, and scores it in the loop, on drawn rigs that it was not trained on and on the demonstration.
 
-  tools/train/demonstration.py --out DIR [--seed 1] [--bin build/release] [--weights FILE]
+  tools/train/demonstration.py --out DIR [--seed 1] [--bin build/release] [--no-attention]
+  tools/train/demonstration.py --out DIR --weights FILE        only the scores, of weights that there are
 
-The same seed gives the same recordings and, on the same kind of processor, the same weights to the byte. What is drawn
-stands beside every recording: what the rig really is, its motion, and the configuration with patient, EMG and sensors.
+Leaves demonstration.safetensors and demonstration.md, its card, in DIR. The same seed gives the same recordings and, on
+the same kind of processor with the same libtorch, the same weights to the byte. What was drawn stays in DIR/config: for
+each recording what the rig really is, its motion, and the configuration with patient, EMG and sensors.
 """
 import argparse
+import csv
+import hashlib
 import math
 import pathlib
 import random
 import shutil
+import statistics
 import subprocess
 import sys
 
@@ -20,6 +25,9 @@ CONFIG = ROOT / "firmware_app/config"
 BASE = "adult.toml"
 RECORDINGS = {"training": 60, "validation": 12, "test": 12}
 DURATION_S = 12
+STOPPED = 3  # exit status of a run that ended in a latched stop
+DEMONSTRATION_SEEDS = (1, 2, 3)
+DENSITIES = (10, 30, 100, 300, 1000)  # of the Kalman filter that the network is held against
 # Recordings have seeds of their own, far from those of the demonstration, which begin at 1.
 FIRST_SEED = 100_000
 
@@ -138,38 +146,135 @@ def run(command, log):
         return subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, check=False).returncode
 
 
+def loop(arguments, stem, config, seed, *options):
+    """A run of the loop in virtual time: its status and its folder."""
+    folder = arguments.out / "runs" / stem
+    log = arguments.out / f"{stem}.txt"
+    status = run([arguments.bin / "firmware_app/patella", "run", "--config", config, "--clock", "virtual", "--duration",
+                  str(DURATION_S), "--seed", str(seed), "--out", folder, *options], log)
+    if status not in (0, STOPPED):
+        sys.exit(f"{stem}: {log.read_text()}")
+    return status, folder
+
+
 def record(arguments, config, name, count, seed):
-    """COUNT recordings of 12 s. One in which the loop stopped itself is left out, and another is drawn in its place."""
-    folders = []
+    """COUNT recordings. One in which the loop stopped itself is left out, and another is drawn in its place."""
+    drawn = []
     nominal, base = (config.parent / "models/adult.toml").read_text(), config.read_text()
-    while len(folders) < count:
+    while len(drawn) < count:
         draw = random.Random(seed)
         stem = f"{name}-{seed}"
         files = {key: config.parent / f"{stem}.{key}.toml" for key in ("run", "rig", "motion")}
         files["run"].write_text(drawn_configuration(draw, base))
         files["rig"].write_text(drawn_rig(draw, nominal))
         files["motion"].write_text(drawn_motion(draw))
-        folder = arguments.out / "runs" / stem
-        command = [arguments.bin / "firmware_app/patella", "run", "--config", files["run"], "--rig-model", files["rig"],
-                   "--reference", files["motion"], "--clock", "virtual", "--duration", str(DURATION_S), "--seed", str(seed),
-                   "--out", folder]
-        log = arguments.out / f"{stem}.txt"
-        status = run(command, log)
+        options = ["--rig-model", files["rig"], "--reference", files["motion"]]
+        status, folder = loop(arguments, stem, files["run"], seed, *options)
         if status == 0:
-            folders.append(folder)
-        elif status == 3:
-            print(f"  {stem}: the loop stopped itself, another one is drawn", flush=True)
+            drawn.append({"folder": folder, "config": files["run"], "seed": seed, "options": options})
         else:
-            sys.exit(f"{stem}: {log.read_text()}")
+            print(f"  {stem}: the loop stopped itself, another one is drawn", flush=True)
         seed += 1
-    return folders
+    return drawn
+
+
+def mean_errors(folder):
+    """Mean |f_u - estimate| of both joints, rad/s^2, of the whole run, by estimate."""
+    sums = {estimate: [0.0, 0.0] for estimate in ("f_s", "f_s_filtered", "f_network")}
+    count = 0
+    with open(folder / "ticks.csv", newline="", encoding="utf-8") as table:
+        for row in csv.DictReader(table):
+            count += 1
+            for estimate, of_joint in sums.items():
+                for joint in (0, 1):
+                    unit = f"{joint + 1}_rad_s2"
+                    if row[estimate + unit] and row["f_true" + unit]:
+                        of_joint[joint] += abs(float(row[estimate + unit]) - float(row["f_true" + unit]))
+    return {estimate: [value / count for value in of_joint] for estimate, of_joint in sums.items()}
+
+
+def with_kalman(config, density):
+    """The configuration with a Kalman filter of constant rate in the sampler's place, told the sensors' noise."""
+    lines = []
+    for line in config.read_text().splitlines():
+        key = line.split("=")[0].strip()
+        if key == "observer":
+            lines += ['observer = "kalman_torque"', 'disturbance = "constant_rate"', "position_noise_rad = 2e-5",
+                      "velocity_noise_rad_s = 0.0005", "torque_noise_Nm = 0.001",
+                      f"disturbance_density = [{density}, {density}]", "disturbance_limit = 1000"]
+        elif key not in ("k_d_1_s", "delta_rad_s2", "epsilon", "estimate_cutoff_Hz"):
+            lines.append(line)
+    file = config.with_name(f"{config.stem}.kalman-{density}.toml")
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def kalman_errors(arguments, drawn, density):
+    results = []
+    for one in drawn:
+        _, folder = loop(arguments, f"kalman-{density}-{one['folder'].name}", with_kalman(one["config"], density), one["seed"],
+                         *one["options"])
+        results.append(mean_errors(folder)["f_s"])
+        shutil.rmtree(folder)
+    return results
+
+
+def network_errors(arguments, drawn, weights):
+    results = []
+    for one in drawn:
+        _, folder = loop(arguments, f"network-{one['folder'].name}", one["config"], one["seed"], "--weights", weights, *one["options"])
+        results.append(mean_errors(folder))
+    return results
+
+
+def interval(values):
+    """Mean and half of the 95 % interval of Student's t."""
+    t = {2: 12.71, 3: 4.303, 12: 2.201}[len(values)]
+    return statistics.mean(values), t * statistics.stdev(values) / math.sqrt(len(values))
+
+
+def table_of(kalman, network):
+    rows = {"sampler": [r["f_s"] for r in network], "sampler, filtered": [r["f_s_filtered"] for r in network],
+            "Kalman filter": kalman, "network": [r["f_network"] for r in network]}
+    lines = ["| mean absolute error of f_u, rad/s² | joint 1 | joint 2 |", "|---|---|---|"]
+    for name, errors in rows.items():
+        lines.append("| " + " | ".join([name] + ["{:.4f} ± {:.4f}".format(*interval([e[j] for e in errors])) for j in (0, 1)]) + " |")
+    for name in ("sampler", "sampler, filtered", "Kalman filter"):
+        ratios = [[a[j] / b[j] for a, b in zip(rows["network"], rows[name])] for j in (0, 1)]
+        lines.append("| " + " | ".join([f"network to {name}"] + ["{:.2f} ± {:.2f}".format(*interval(r)) for r in ratios]) + " |")
+    return "\n".join(lines)
+
+
+def score(arguments, config, data, weights):
+    """Errors in the loop: on the drawn test, and on the demonstration with seeds of its own."""
+    density = min(DENSITIES, key=lambda q: sum(map(sum, kalman_errors(arguments, data["validation"], q))))
+    demonstration = [{"folder": pathlib.Path(f"demonstration-{seed}"), "config": config, "seed": seed, "options": []}
+                     for seed in DEMONSTRATION_SEEDS]
+    text = ""
+    for title, drawn in ((f"{RECORDINGS['test']} drawn rigs, motions and patients that it was not trained on", data["test"]),
+                         (f"The demonstration, seeds {', '.join(map(str, DEMONSTRATION_SEEDS))}", demonstration)):
+        text += f"\n### {title}\n\n" + table_of(kalman_errors(arguments, drawn, density), network_errors(arguments, drawn, weights)) + "\n"
+    text += f"\nThe Kalman filter (`kalman_torque`, constant rate) has the density of {DENSITIES} that errs least in validation: {density}.\n"
+    return text
+
+
+def card(arguments, weights, scores):
+    template = (pathlib.Path(__file__).with_name("demonstration_card.md")).read_text()
+    values = {"seed": arguments.seed, "size": weights.stat().st_size, "sha256": hashlib.sha256(weights.read_bytes()).hexdigest(),
+              "training": RECORDINGS["training"], "validation": RECORDINGS["validation"], "test": RECORDINGS["test"],
+              "duration": DURATION_S, "features": ", ".join(f"`{name}`" for name in FEATURES),
+              "options": " ".join(f"--{name} {value}" for name, value in FIT.items() if name != "features"), "scores": scores}
+    for name, value in values.items():
+        template = template.replace("{" + name + "}", str(value))
+    return template
 
 
 def train(arguments, config, data, weights, **changed):
+    folders = {name: [one["folder"] for one in drawn] for name, drawn in data.items()}
     options = [part for name, value in (FIT | changed).items() for part in (f"--{name}", str(value))]
     subprocess.run([arguments.bin / "tools/train/patella-train", "fit", "--config", config, "--out", weights, "--seed",
-                    str(arguments.seed), *options, "--data", *data["training"], "--validation-data", *data["validation"],
-                    "--test-data", *data["test"]], check=True)
+                    str(arguments.seed), *options, "--data", *folders["training"], "--validation-data", *folders["validation"],
+                    "--test-data", *folders["test"]], check=True)
 
 
 def main():
@@ -177,15 +282,25 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for recordings and results; must not exist")
     parser.add_argument("--seed", type=int, default=1, help="of all that is drawn")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
+    parser.add_argument("--no-attention", action="store_true", help="the same without attention, to tell what it is worth")
+    parser.add_argument("--weights", type=pathlib.Path, help="score these, train none")
     arguments = parser.parse_args()
     (arguments.out / "runs").mkdir(parents=True)
     config = copied_configuration(arguments.out / "config")
     data = {}
     for i, (name, count) in enumerate(RECORDINGS.items()):
+        if name == "training" and arguments.weights:
+            continue
         print(f"== {count} recordings of {DURATION_S} s for {name}", flush=True)
         data[name] = record(arguments, config, name, count, FIRST_SEED * (100 * arguments.seed + i + 1))
-    print("== training", flush=True)
-    train(arguments, config, data, arguments.out / "demonstration.safetensors")
+    weights = arguments.weights or arguments.out / "demonstration.safetensors"
+    if not arguments.weights:
+        print("== training", flush=True)
+        train(arguments, config, data, weights, **({"window": 1} if arguments.no_attention else {}))
+    print("== in the loop", flush=True)
+    scores = score(arguments, config, data, weights)
+    print(scores)
+    (arguments.out / "demonstration.md").write_text(card(arguments, weights, scores))
 
 
 if __name__ == "__main__":

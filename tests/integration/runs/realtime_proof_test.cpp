@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "drivers/clock/clock.hpp"
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
