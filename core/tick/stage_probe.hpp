@@ -1,4 +1,4 @@
-// What a tick is made of, for those who measure it.
+// The stages of a tick, for those who measure it.
 #pragma once
 
 #include <array>

@@ -147,7 +147,7 @@ std::unique_ptr<RealtimeSetup> runShowingProgress(Loop& loop, const RunConfig& c
   return setup;
 }
 
-// What the run is made of, for the first lines of the events.
+// Inputs of the run, for the first lines of the events.
 std::string heading(const std::vector<InputFile>& files) {
   std::string text;
   for (const InputFile& file : files) {
@@ -161,7 +161,7 @@ void warnOfWeights(const RunConfig& config) {
   if (config.weights && !config.weights_sealed) {
     spdlog::warn("{}", unsealedWarning(config.weights_path));
   }
-  // What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
+  // Compensation acts on the network's own inputs, and a linear path takes up what its recordings do not
   // show (docs/training.md, Linear path).
   if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
       config.tick.compensation == tick::CompensationSource::kNetwork) {

@@ -96,7 +96,7 @@ struct RunConfig {
 /// std::invalid_argument for a bad argument.
 RunConfig loadRunConfig(const CommandLine& command_line);
 
-/// What reads the bus and what writes to it, as mapped. Throw FileError naming the bus map and the input or
+/// Decoder and encoder of the bus, as mapped. Throw FileError naming the bus map and the input or
 /// output.
 can::MeasurementDecoder makeDecoder(const RunConfig& config);
 can::CommandEncoder makeEncoder(const RunConfig& config);

@@ -19,8 +19,8 @@ struct TickReport {
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
   std::int64_t wakeup_latency_ns = 0;  ///< woken later than scheduled by
   std::int64_t execution_ns = 0;       ///< from waking until the command and the lines were out
-  std::optional<std::int64_t>
-      sensor_latency_ns;  ///< encoder frame to torque frame by their bus stamps; none where one was missing
+  /// Encoder frame to torque frame by their bus stamps; none where either was missing.
+  std::optional<std::int64_t> sensor_latency_ns;
   safety::WarningSet warnings;
   const Measurement& measurement;
   const tick::TickOutput& output;

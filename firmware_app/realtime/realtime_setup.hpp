@@ -20,7 +20,7 @@ std::vector<int> usableProcessors();
 /// Throws std::invalid_argument naming the first of these that is not usable, and those that are.
 void requireUsable(const std::vector<int>& cpus);
 
-/// What was achieved, read back from the kernel.
+/// The achieved state, read back from the kernel.
 struct RealtimeReport {
   std::string policy;  ///< "SCHED_FIFO", "SCHED_OTHER", …
   int priority = 0;

@@ -45,7 +45,7 @@ std::vector<int> movingJoints(std::span<const JointSignals> signals) {
   return moving;
 }
 
-// What a fit holds, declared or found.
+// The effects of a fit, declared or found.
 std::set<std::string> labelsIn(const ModelFit& fit) {
   std::set<std::string> labels;
   for (const Term& term : fit.terms) {
@@ -101,8 +101,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, options.nominal_tolerance, diagnosis);
-  diagnosis.revealed =
-      revealedBy(train, fit, found.atoms, diagnosis.rests, labelsIn(fit), thresholdOf(diagnosis, fit));
+  diagnosis.revealed = revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit),
+                                  thresholdOf(diagnosis, fit));
 
   options.report("errors", 0.0);
   judgeByErrors({.train = train,

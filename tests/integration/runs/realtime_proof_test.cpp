@@ -1,4 +1,4 @@
-// What the loop thread does to heap and memory, with controls that show that the instruments work.
+// Heap operations and page faults of the loop thread, with controls that show that the instruments work.
 #include <Eigen/Core>
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>

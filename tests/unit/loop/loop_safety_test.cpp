@@ -148,7 +148,7 @@ namespace {
 
 constexpr std::int64_t kStall_ns = 300 * kPeriod_ns;
 
-// What stood between a measurement and its command is in the command's way.
+// A stall between a measurement and its command is in the command's way.
 bool beforeTheCommand(tick::Stage stage) {
   return stage <= tick::Stage::kSend;
 }

@@ -123,7 +123,7 @@ class SimulatedRun {
         encoder_(makeEncoder(config_)),
         tick_(makeTick(config_)),
         bus(*rig_, clock, [this](int tick) { atTick(tick); }) {
-    // What is noted down in the loop must not touch the heap there.
+    // Notes taken in the loop must not touch the heap there.
     bus.tried.reserve(kLongestRun);
     drive_enable_.reserve(kLongestRun);
   }

@@ -1,4 +1,4 @@
-// What a diagnosis asserts, which is what a benchmark marks.
+// The effects that a diagnosis asserts; the benchmark marks these.
 #pragma once
 
 #include <vector>

@@ -46,7 +46,7 @@ class Judge final : public can::Bus {
       started_ = true;
       epoch_ns_ = now_ns;
     }
-    // What the tick before left: the line must not be up without an enabling command.
+    // State after the tick before: the line must not be up without an enabling command.
     violations += pins_.driveEnable() && !enabled_ ? 1U : 0U;
     const std::size_t count = bus_.receive(frames, now_ns);
     for (std::size_t i = 0; i < count; ++i) {
@@ -231,7 +231,7 @@ std::vector<Reaction> reactions(const app::RunConfig& scenario, const sim::Rig& 
     found.push_back(react(disobedienceKind(scenario), since_s,
                           putOff(owed_s + 2e-3, since_s, nullptr, scenario), stopped_s));
   }
-  // What would be owed after the end of the run is not judged.
+  // Stops owed after the end of the run are not judged.
   std::erase_if(found, [](const Reaction& r) { return r.effect_s + r.budget_s > kTrialDuration_s - 5e-3; });
   return found;
 }

@@ -7,9 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <unistd.h>
-
 #include "drivers/can/socketcan_bus.hpp"
+#include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
@@ -132,24 +131,6 @@ std::unique_ptr<tick::Tick> makeTick(const app::RunConfig& config, const Workloa
                                       std::move(network), features, network::OutputKind::kAcceleration);
 }
 
-class TemporaryFolder {
- public:
-  TemporaryFolder()
-      : path_(std::filesystem::temp_directory_path() / ("patella-bench-" + std::to_string(getpid()))) {
-    std::filesystem::remove_all(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 }  // namespace
 
 app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workload& workload, const Pace& pace,
@@ -178,7 +159,7 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
   can::MeasurementDecoder decoder = app::makeDecoder(config);
   can::CommandEncoder encoder = app::makeEncoder(config);
   const auto tick = makeTick(config, workload);
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   app::RecorderOptions recording;
   recording.folder = folder.path();
   recording.joints = config.model.joints();

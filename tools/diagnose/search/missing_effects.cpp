@@ -48,7 +48,7 @@ class Finder {
     if (late_.empty()) {
       found = std::move(first);
     } else {
-      // What the given model leaves is what its own refit leaves.
+      // The given model's residual is that of its own refit.
       found.nominal = std::move(first.nominal);
       found.refitted = std::move(first.refitted);
     }

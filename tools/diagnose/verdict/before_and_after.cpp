@@ -38,7 +38,7 @@ bool isWorse(const Diagnosis& result, const std::vector<double>& unit_Nm) {
   return more > 0.0;
 }
 
-// What does not hold on data that it was not fitted to is not added. A hip's noise is several times a knee's,
+// Effects that do not hold on held-out data are not added. A hip's noise is several times a knee's,
 // so joints count in units of theirs. Where nothing was named to explain it, what a fit leaves may be no
 // noise: refitted parameters then have to hold in plain torque, too.
 void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) {
@@ -81,7 +81,7 @@ void tellWhichJointPays(Diagnosis& result) {
   }
 }
 
-// What happens only in the part that was held out has left no trace in the one that was fitted.
+// An event of the held-out part alone has left no trace in the fitted one.
 void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = result.noise_floor_Nm[joint];

@@ -34,11 +34,8 @@ Detector::Detector(const Dataset& data, const ModelFit& fit, double threshold)
   const std::vector<Eigen::Index> given = givenParameters(fit);
   const auto count = static_cast<Eigen::Index>(given.size());
   const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent(Eigen::all, given));
-  // What a declared effect can take up is told as its change, however large: only masses are tied.
-  Eigen::VectorXd prior = fit.prior_weight(given);
-  prior.tail(count - static_cast<Eigen::Index>(fit.mechanism.size())).setZero();
   Eigen::MatrixXd tangent(slope.rows() + count, count);
-  tangent << slope, Eigen::MatrixXd(prior.asDiagonal());
+  tangent << slope, Eigen::MatrixXd(Eigen::VectorXd(fit.prior_weight(given)).asDiagonal());
   for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
     const double length = tangent.col(k).norm();
     tangent.col(k) /= length > 0.0 ? length : 1.0;

@@ -38,7 +38,8 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     }
     for (const FreeFunction& function : free) {
       if (function.holds(t)) {
-        effects.back().indistinguishable_from.push_back("any function of " + function.dependence.variable);
+        effects.back().not_asserted_because =
+            "any function of " + function.dependence.variable + " explains as much";
       }
     }
   }
@@ -73,7 +74,7 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
   }
 }
 
-// What found effects explain includes what the declared ones did that they replaced.
+// The share of found effects includes that of the declared ones that they replaced.
 Eigen::VectorXd missingTorque(MissingEffects& found) {
   Eigen::VectorXd residual = found.nominal.residual;
   for (const Term& term : found.selection.fit.terms) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -14,17 +13,16 @@
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Share of an effect that declared effects have to leave: one that they take up shows as their change.
-constexpr double kOwnShare = 0.01;
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
-/// What is commonly missing: these come first.
+/// Effects that are commonly missing: these come first.
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 
@@ -69,16 +67,12 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   return value < parameters[index].maximum ? value : kNever;
 }
 
-// Nothing where what the model declares would take it up.
-std::optional<Size> sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
-                           double structure_Nm) {
+Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
+            double structure_Nm) {
   const Detectable shape = detector.of(atoms.of(atom), atom.joint);
-  if (shape.own_share < kOwnShare) {
-    return std::nullopt;
-  }
   const double torque_Nm = smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm);
   if (!std::isfinite(torque_Nm)) {
-    return Size{};
+    return {};
   }
   const double parameter = parameterAt(atom, shape, torque_Nm);
   return std::isinf(parameter) ? Size{} : Size{.torque_Nm = torque_Nm, .parameter = parameter};
@@ -108,12 +102,14 @@ double smallestTorque_Nm(const Detectable& shape, double threshold, double noise
     return kNever;
   }
   const double above_chance = shape.in_noise * (1.0 + kFourInFive / std::sqrt(threshold)) * noise_Nm;
-  return std::max(above_chance, kOverRest * structure_Nm / shape.own_share);
+  const double above_rest = (kOverRest + kFourInFive / std::sqrt(kLooks)) * structure_Nm;
+  return std::max(above_chance, above_rest / shape.own_share);
 }
 
-std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  double threshold) {
+  const Dataset& data = fitter.data();
   const Detector detector(data, fit, threshold);
   std::map<std::string, std::vector<const Atom*>> by_label;
   for (const Atom& atom : atoms.items) {
@@ -123,17 +119,15 @@ std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const
   }
   std::vector<Revealed> all;
   for (const auto& [label, points] : by_label) {
+    if (givenByOthers(fitter, fit, *points.front())) {
+      continue;
+    }
     const int joint = points.front()->joint;
     const RestOfJoint& rest = rests[static_cast<std::size_t>(joint)];
     const double noise_Nm = jointRms(data, fit.residual, joint);
     std::vector<Size> sizes;
     for (const Atom* point : someAtoms(points)) {
-      if (const auto size = sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm)) {
-        sizes.push_back(*size);
-      }
-    }
-    if (sizes.empty()) {
-      continue;
+      sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm));
     }
     const Size size = median(std::move(sizes));
     const std::string& kind = points.front()->recipe->kind;

@@ -51,7 +51,7 @@ void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway
   }
 }
 
-// What is known of a parameter beside its physical range.
+// Knowledge of a parameter beside its physical range.
 struct Standing {
   std::array<double, 2> range{};
   bool anything = false;  ///< its interval holds the whole range
@@ -139,7 +139,7 @@ const model::EffectDescription* stillIn(std::span<const model::EffectDescription
   return nullptr;
 }
 
-/// What stands in a declared effect's place.
+/// The effect that stands in a declared one's place.
 const EffectFinding* replacementOf(const Diagnosis& diagnosis, const model::EffectDescription& declared) {
   const auto found =
       std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
@@ -194,7 +194,7 @@ bool strengthIsUnknown(const EffectFinding& effect) {
       std::any_of(effect.parameters.begin(), effect.parameters.end(),
                   [&](const ParameterEstimate& estimate) { return isStrength(effect.kind, estimate.name); });
   for (const ParameterEstimate& estimate : effect.parameters) {
-    // What has no strength is as large as its first parameter says.
+    // An effect without a strength is as large as its first parameter says.
     const bool counts =
         has_strengths ? isStrength(effect.kind, estimate.name) : &estimate == &effect.parameters.front();
     const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
