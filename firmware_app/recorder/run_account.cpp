@@ -169,6 +169,7 @@ void RunAccount::countEstimates(const TickReport& report) noexcept PATELLA_NONBL
   const tick::TickOutput& output = report.output;
   if (measurement.has_truth && output.estimated) {
     s.sampler_error.add(output.f_s, measurement.true_f_u);
+    s.filtered_error.add(output.f_s_filtered, measurement.true_f_u);
     if (output.has_network) {
       s.network_error.add(output.f_network, measurement.true_f_u);
     }
