@@ -75,6 +75,7 @@ struct RunConfig {
   LoopOptions loop;
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
+  bool record_mcap = false;                   ///< a run.mcap beside the other files
   std::uint64_t min_free_bytes = 50'000'000;  ///< on the recording's disk
   ModelDescription model;
   BusDescription bus;

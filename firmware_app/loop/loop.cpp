@@ -134,6 +134,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   }
   record_.warnings = warnings.bits();
   record_.time_s = input.time_s;
+  record_.wall_ns = scheduled_ns + wall_offset_ns_;
   record_.tick = index_;
   record_.missed_periods = missed;
   record_.wakeup_latency_ns = woken_ns - scheduled_ns;

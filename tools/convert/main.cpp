@@ -1,9 +1,11 @@
-// patella-convert: recordings of other rigs as logs of frames that drive the loop, and logs as tables.
+// patella-convert: recordings of other rigs as logs of frames that drive the loop, logs as tables, and runs
+// in the formats of other programs.
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +13,7 @@
 #include "tools/convert/conversion_map.hpp"
 #include "tools/convert/csv_to_log.hpp"
 #include "tools/convert/log_to_csv.hpp"
+#include "tools/convert/run_to_mcap.hpp"
 
 namespace {
 
@@ -18,6 +21,9 @@ struct Arguments {
   std::filesystem::path recording;
   std::filesystem::path log;
   std::filesystem::path map;
+  std::filesystem::path run;
+  std::filesystem::path broken;
+  std::vector<std::filesystem::path> attached;
   std::filesystem::path dbc;
   std::filesystem::path out;
   std::optional<double> rate_Hz;
@@ -46,13 +52,29 @@ void decode(const Arguments& arguments) {
             << " of unknown identifiers, " << report.unusable << " too short or corrupt\n";
 }
 
+void writeMcap(const Arguments& arguments) {
+  const auto report = patella::convert::convertRunToMcap(arguments.run, arguments.attached, arguments.out);
+  std::cout << arguments.out.string() << ": " << report.ticks << " ticks, " << report.frames << " frames, "
+            << report.events << " events, " << report.attachments << " attachments\n";
+}
+
+void recover(const Arguments& arguments) {
+  const auto report = patella::convert::recoverMcap(arguments.broken, arguments.out);
+  std::cout << arguments.out.string() << ": " << report.messages << " messages and " << report.attachments
+            << " attachments, "
+            << (report.cut
+                    ? "of a file whose last whole record ends at byte " + std::to_string(report.read_to)
+                    : std::string("of a file that was whole"))
+            << "\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app(
       "Turns a recorded CSV into a log of CAN frames (candump -l), by a bus description and a map of columns "
       "to "
-      "signals; with --decode, a log into a CSV of all signals.",
+      "signals; with --decode, a log into a CSV of all signals; with --mcap, a run into a recording in MCAP.",
       "patella-convert");
   Arguments arguments;
   auto* recording = app.add_option("recording", arguments.recording, "CSV with a header of names")
@@ -61,28 +83,48 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       app.add_option("--map", arguments.map, "map of columns to signals, TOML")->check(CLI::ExistingFile);
   auto* log =
       app.add_option("--decode", arguments.log, "log of frames to decode instead")->check(CLI::ExistingFile);
-  app.add_option("--dbc", arguments.dbc, "bus description")->required()->check(CLI::ExistingFile);
+  auto* mcap = app.add_option("--mcap", arguments.run, "folder of a run to write as MCAP instead")
+                   ->check(CLI::ExistingDirectory);
+  auto* broken = app.add_option("--recover", arguments.broken,
+                                "MCAP file that was cut off: write its whole records as a new one instead")
+                     ->check(CLI::ExistingFile);
+  app.add_option("--attach", arguments.attached,
+                 "with --mcap: files that the run was configured from, known by their SHA-256")
+      ->needs(mcap)
+      ->check(CLI::ExistingFile);
+  auto* dbc = app.add_option("--dbc", arguments.dbc, "bus description")->check(CLI::ExistingFile);
   app.add_option("--out", arguments.out, "file to write")->required();
   auto* rate = app.add_option("--rate", arguments.rate_Hz, "uniform rate in Hz, instead of the map's")
                    ->check(CLI::Range(1.0, 20000.0));
   app.add_option("--rows", arguments.row_message,
                  "with --decode: message whose frames make the rows; the most frequent unless given")
       ->needs(log);
-  log->excludes(recording)->excludes(map)->excludes(rate);
-  recording->needs(map);
+  log->excludes(recording)->excludes(map)->excludes(rate)->needs(dbc);
+  for (auto* form : {mcap, broken}) {
+    form->excludes(recording)->excludes(map)->excludes(rate)->excludes(log)->excludes(dbc);
+  }
+  mcap->excludes(broken);
+  recording->needs(map)->needs(dbc);
   map->needs(recording);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 1;
   }
-  if (log->empty() && recording->empty()) {
-    std::cerr << "patella-convert: expected a recording with --map, or --decode LOG\n";
+  if (log->empty() && recording->empty() && mcap->empty() && broken->empty()) {
+    std::cerr
+        << "patella-convert: expected a recording with --map, or one of --decode, --mcap and --recover\n";
     return 1;
   }
 
   try {
-    log->empty() ? encode(arguments) : decode(arguments);
+    if (!mcap->empty()) {
+      writeMcap(arguments);
+    } else if (!broken->empty()) {
+      recover(arguments);
+    } else {
+      log->empty() ? encode(arguments) : decode(arguments);
+    }
   } catch (const std::exception& error) {
     std::cerr << "patella-convert: " << error.what() << "\n";
     return 1;
