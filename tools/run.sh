@@ -60,7 +60,7 @@ diff -r "$out/virtual-a" "$out/virtual-b"
 echo "all files of $out/virtual-a and $out/virtual-b are identical"
 
 headline "what the model lacks, found in 40 s of motion and given to the loop, which then moves otherwise"
-tools/bench/circle/circle.sh --bin "$bin" --out "$out/circle" firmware_app/config/models/adult_rubbing.toml
+tools/studies/circle/circle.sh --bin "$bin" --out "$out/circle" firmware_app/config/models/adult_rubbing.toml
 
 printf '\nPicture of the run: %s\n' "$out/live/report.html"
 printf 'Diagnosis:          %s\n' "$out/circle/adult_rubbing/diagnosis/report.html"

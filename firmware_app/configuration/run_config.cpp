@@ -7,6 +7,7 @@
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
 #include "firmware_app/files/bounded.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 

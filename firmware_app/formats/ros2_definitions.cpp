@@ -64,8 +64,7 @@ std::string logDefinition() {
 }
 
 std::string timingDefinition() {
-  return "# What the ticks of a second took, and what the bus carried. Quantiles are at most 3.2 % too "
-         "large.\n"
+  return "# What the ticks of a second took, and what the bus carried.\n"
          "float64 t_s  # its beginning, of the loop's time\n"
          "uint32 ticks\n"
          "uint32 missed_periods\n"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "firmware_app/formats/frame_bits.hpp"
@@ -11,7 +12,6 @@
 namespace patella::formats {
 namespace {
 
-constexpr double kMicrosecond_ns = 1e3;
 constexpr std::size_t kClassicBytes = 8;
 
 std::string_view bytesOf(const can::Frame& frame, std::size_t count) {
@@ -23,13 +23,28 @@ void header(CdrWriter& out, std::uint64_t wall_ns, std::string_view frame_id) {
   out.text(frame_id);
 }
 
-void histogram(CdrWriter& out, const app::LatencyHistogram& histogram) {
+// What half, 99 % and 99.9 % of the values do not exceed, and the largest.
+void quantiles(CdrWriter& out, std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<double>(values.size());
+  for (const double quantile : {0.5, 0.99, 0.999, 1.0}) {
+    const auto index = static_cast<std::size_t>(std::max(std::ceil(quantile * count) - 1.0, 0.0));
+    out.put(values.empty() ? std::numeric_limits<double>::quiet_NaN() : values[index]);
+  }
+}
+
+// Two buckets an octave: 1, 1.41, 2, 2.83 µs and on. `sorted` from the smallest.
+void histogram(CdrWriter& out, const std::vector<double>& sorted) {
   std::vector<double> ends_us;
   std::vector<std::uint32_t> counts;
-  histogram.forEach([&](std::int64_t /*lower_ns*/, std::int64_t upper_ns, std::uint64_t count) {
-    ends_us.push_back(static_cast<double>(upper_ns) / kMicrosecond_ns);
-    counts.push_back(static_cast<std::uint32_t>(count));
-  });
+  for (const double value : sorted) {
+    const double end_us = std::exp2(0.5 * std::ceil(2.0 * std::log2(std::max(value, 1.0))));
+    if (ends_us.empty() || end_us > ends_us.back()) {
+      ends_us.push_back(end_us);
+      counts.push_back(0);
+    }
+    ++counts.back();
+  }
   out.length(ends_us.size());
   for (const double end_us : ends_us) {
     out.put(end_us);
@@ -38,13 +53,6 @@ void histogram(CdrWriter& out, const app::LatencyHistogram& histogram) {
   for (const std::uint32_t count : counts) {
     out.put(count);
   }
-}
-
-void quantiles(CdrWriter& out, const app::LatencyHistogram& histogram) {
-  for (const double quantile : {0.5, 0.99, 0.999}) {
-    out.put(static_cast<double>(histogram.quantile(quantile)) / kMicrosecond_ns);
-  }
-  out.put(static_cast<double>(histogram.maximum()) / kMicrosecond_ns);
 }
 
 }  // namespace
@@ -103,13 +111,13 @@ void RunMessages::tick(std::span<const double> row, const MessageTime& time, con
   }
   newest_ = time;
   ++second_->ticks;
-  const auto add_us = [&](app::LatencyHistogram& histogram, std::optional<std::size_t> column) {
+  const auto add = [&](std::vector<double>& values, std::optional<std::size_t> column) {
     if (column && std::isfinite(row[*column])) {
-      histogram.add(std::llround(row[*column] * kMicrosecond_ns));
+      values.push_back(row[*column]);
     }
   };
-  add_us(second_->wakeup, wakeup_);
-  add_us(second_->execution, execution_);
+  add(second_->wakeup_us, wakeup_);
+  add(second_->execution_us, execution_);
   second_->missed_periods += missed_ ? static_cast<std::uint32_t>(row[*missed_]) : 0U;
 
   message_.clear();
@@ -180,10 +188,10 @@ void RunMessages::timing(const Sink& sink) {
   message_.put(second_->missed_periods);
   message_.put(second_->frames);
   message_.put(second_->frame_bits);
-  quantiles(message_, second_->wakeup);
-  quantiles(message_, second_->execution);
-  histogram(message_, second_->wakeup);
-  histogram(message_, second_->execution);
+  quantiles(message_, second_->wakeup_us);
+  quantiles(message_, second_->execution_us);
+  histogram(message_, second_->wakeup_us);
+  histogram(message_, second_->execution_us);
   sink(RunChannel::kTiming, newest_, message_.bytes());
   second_.reset();
 }

@@ -13,7 +13,6 @@
 #include "drivers/can/can_frame.hpp"
 #include "firmware_app/formats/cdr.hpp"
 #include "firmware_app/formats/tick_message.hpp"
-#include "firmware_app/loop/latency_histogram.hpp"
 
 namespace patella::formats {
 
@@ -56,7 +55,7 @@ class RunMessages {
   struct Second {
     double start_s = 0.0;
     std::uint32_t ticks = 0, missed_periods = 0, frames = 0, frame_bits = 0;
-    app::LatencyHistogram wakeup, execution;
+    std::vector<double> wakeup_us, execution_us;  // of each tick
   };
 
   void timing(const Sink& sink);

@@ -36,7 +36,7 @@ done < <(sources core | xargs -r grep -nHoE '^#include <[^>]+>' | sed -E 's/#inc
   grep -vE ':(Eigen/[A-Za-z]+|[a-z_0-9]+|[ei]mmintrin\.h|arm_neon\.h)$' || true)
 
 # Rooms of the diagnosis, in the way that a recording goes: each may include itself and what stands before it.
-rooms=(result regression effects fit checks search evidence verdict output)
+rooms=(result regression effects fit checks search verdict output)
 for index in "${!rooms[@]}"; do
   room=tools/diagnose/${rooms[$index]}
   [ -d "$room" ] || continue

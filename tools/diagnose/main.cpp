@@ -202,7 +202,7 @@ void run(Arguments& a) {
   if (!a.torque_timing.empty()) {
     a.recording.torque_timing = a.torque_timing == "held" ? TorqueTiming::kHeld : TorqueTiming::kSampled;
   }
-  const app::ModelDescription model = app::loadModel(a.model);
+  const model::ModelDescription model = app::loadModel(a.model);
   a.recording.joints = model.joints();
   if (!a.options.person_Nm.empty() &&
       a.options.person_Nm.size() != static_cast<std::size_t>(model.joints())) {

@@ -37,7 +37,7 @@ TEST_CASE("a knee that rubs: page, numbers and a model that loads; the same agai
   CHECK(numbers["error"]["after"]["heldout_rms"][0].get<double>() <
         0.2 * numbers["error"]["before"]["heldout_rms"][0].get<double>());
 
-  const app::ModelDescription extended = app::loadModel(folder / "out/a/model.extended.toml");
+  const model::ModelDescription extended = app::loadModel(folder / "out/a/model.extended.toml");
   REQUIRE(extended.effects.size() == 1);
   CHECK(extended.effects[0].kind == "coulomb_friction");
   CHECK(

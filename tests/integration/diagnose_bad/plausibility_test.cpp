@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-std::string refusal(const Recording& recording, const app::ModelDescription& model) {
+std::string refusal(const Recording& recording, const model::ModelDescription& model) {
   return messageOf<std::invalid_argument>([&] { requirePlausible(std::span(&recording, 1), model); });
 }
 

@@ -12,10 +12,10 @@
 
 #include "firmware_app/files/csv_table.hpp"
 #include "tests/support/paths.hpp"
-#include "tools/bench/recordings/emg_study.hpp"
-#include "tools/bench/recordings/pendulum_study.hpp"
+#include "tools/studies/recordings/emg_study.hpp"
+#include "tools/studies/recordings/pendulum_study.hpp"
 
-using namespace patella::bench;
+using namespace patella::study;
 
 namespace {
 

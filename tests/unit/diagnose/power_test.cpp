@@ -18,7 +18,7 @@ using namespace patella::diagnose;
 namespace {
 
 constexpr double kThreshold = 16.0;
-const app::ModelDescription kModel{
+const model::ModelDescription kModel{
     .mechanism = model::RevoluteJointParameters{.inertia_kg_m2 = 0.4, .moment_kg_m = 0.5, .length_m = 0.4},
     .effects = {}};
 

@@ -22,7 +22,7 @@ Recording asItActed(Recording recording) {
   return recording;
 }
 
-TorqueTiming timingOf(const Recording& recording, const app::ModelDescription& model) {
+TorqueTiming timingOf(const Recording& recording, const model::ModelDescription& model) {
   return diagnose::withTorqueTiming(std::span(&recording, 1), model).front().torque_timing;
 }
 

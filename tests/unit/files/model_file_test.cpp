@@ -15,6 +15,9 @@
 
 using namespace patella;
 using namespace patella::app;
+using patella::model::EffectDescription;
+using patella::model::MechanismDescription;
+using patella::model::ModelDescription;
 using patella::test::messageOf;
 using patella::test::pair;
 using patella::test::ScratchFolder;
@@ -166,7 +169,7 @@ TEST_CASE("every mechanism and every effect survives writing and reading") {
         effect.parameters.push_back(parameter.initial);
       }
       try {
-        makeModel({.mechanism = mechanism, .effects = {effect}});
+        model::makeModel({.mechanism = mechanism, .effects = {effect}});
       } catch (const std::invalid_argument&) {
         continue;  // not every effect fits every mechanism
       }

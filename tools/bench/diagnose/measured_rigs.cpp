@@ -3,6 +3,7 @@
 #include <set>
 
 #include "firmware_app/files/file_error.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace patella::bench {
@@ -53,7 +54,7 @@ std::set<fs::path> filesOf(const fs::path& folder, const std::string& prefix) {
 std::vector<MeasuredRecording> measuredRecordings(const fs::path& data, const fs::path& source) {
   std::vector<MeasuredRecording> all;
   for (const Rig& rig : rigs(source)) {
-    const app::ModelDescription model = app::loadModel(rig.model);
+    const model::ModelDescription model = app::loadModel(rig.model);
     for (const fs::path& file : filesOf(data / rig.folder, rig.prefix)) {
       all.push_back(
           {.rig = rig.folder,

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::bench {
@@ -13,7 +13,7 @@ namespace patella::bench {
 struct MeasuredRecording {
   std::string rig;   ///< folder
   std::string name;  ///< file
-  app::ModelDescription model;
+  model::ModelDescription model;
   diagnose::Recording recording;
 };
 

@@ -97,13 +97,13 @@ class SamplerAndKalman final : public estimation::Observer {
 };
 
 /// As many as asked for, in turn of these.
-std::vector<app::EffectDescription> someEffects(int count) {
-  const std::vector<app::EffectDescription> kinds = {{"viscous_friction", 0, {0.5}},
-                                                     {"coulomb_friction", 1, {1.5, 0.02}},
-                                                     {"linear_stiffness", 1, {4.0, -0.4}},
-                                                     {"viscous_friction", 1, {0.5}},
-                                                     {"coulomb_friction", 0, {0.5, 0.02}}};
-  std::vector<app::EffectDescription> effects;
+std::vector<model::EffectDescription> someEffects(int count) {
+  const std::vector<model::EffectDescription> kinds = {{"viscous_friction", 0, {0.5}},
+                                                       {"coulomb_friction", 1, {1.5, 0.02}},
+                                                       {"linear_stiffness", 1, {4.0, -0.4}},
+                                                       {"viscous_friction", 1, {0.5}},
+                                                       {"coulomb_friction", 0, {0.5, 0.02}}};
+  std::vector<model::EffectDescription> effects;
   for (int i = 0; i < count; ++i) {
     effects.push_back(kinds[static_cast<std::size_t>(i) % kinds.size()]);
   }
@@ -111,7 +111,7 @@ std::vector<app::EffectDescription> someEffects(int count) {
 }
 
 std::unique_ptr<tick::Tick> makeTick(const app::RunConfig& config, const Workload& workload) {
-  app::ModelDescription model = config.model;
+  model::ModelDescription model = config.model;
   model.effects = someEffects(workload.effects);
   auto observer = app::makeObserver(config.observer, model.joints());
   if (workload.kalman) {
@@ -127,7 +127,7 @@ std::unique_ptr<tick::Tick> makeTick(const app::RunConfig& config, const Workloa
     network = std::make_unique<network::AttentionLstm>(weights);
     features = weights.features;
   }
-  return std::make_unique<tick::Tick>(config.tick, app::makeModel(model), std::move(observer),
+  return std::make_unique<tick::Tick>(config.tick, model::makeModel(model), std::move(observer),
                                       std::move(network), features, network::OutputKind::kAcceleration);
 }
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/checks/convention.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 
@@ -30,7 +30,7 @@ double misfit(const std::vector<double>& error, double floor);
 
 class Reader {
  public:
-  Reader(Dataset data, const app::ModelDescription& model);
+  Reader(Dataset data, const model::ModelDescription& model);
 
   int joints() const noexcept { return data_.joints(); }
   bool moves() const;
@@ -55,7 +55,7 @@ class Reader {
   std::vector<double> errorOf(const Columns& columns, const Column& torque, Freedom freedom) const;
 
   Dataset data_;
-  app::ModelDescription model_;
+  model::ModelDescription model_;
   Columns own_;
   std::vector<bool> at_rest_;
 };

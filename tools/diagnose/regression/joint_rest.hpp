@@ -27,6 +27,9 @@ struct JointRest {
 /// the torque is small, as gravity is beside an inertia that swings.
 std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism);
 
+/// Joint by joint: whether its torque is more than a sensor's zero beside the load.
+std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mechanism);
+
 /// `left`: residual of the drives' torque; `noise_Nm`: of each joint.
 std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
                                   std::span<const double> noise_Nm);

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 
 namespace patella::diagnose {
 
@@ -67,9 +67,9 @@ struct EffectFinding {
   std::vector<std::string>
       replaces;                   ///< kinds that the model declares on this joint, in whose place it stands
   std::string separating_motion;  ///< what would tell them apart; empty where nothing needs it
-  /// It explains less by itself than what nothing explains: it may be a part of something else, and is not
-  /// asserted.
-  bool outweighed = false;
+  /// Why it is possible only; empty where it is asserted. The reason completes "possibly: ".
+  std::string not_asserted_because{};
+  bool asserted() const noexcept { return not_asserted_because.empty(); }
 };
 
 /// Motion of a joint (m for a prismatic one) simulated over windows that start at measured states, thinned; a
@@ -205,7 +205,7 @@ struct Diagnosis {
   double curves_rate_Hz = 0.0;
   std::uint64_t seed = 0;
   std::vector<InputFile> inputs;
-  app::ModelDescription extended;  ///< what model.extended.toml holds
+  model::ModelDescription extended;  ///< what model.extended.toml holds
   std::string torque_unit = "N·m";
 };
 

@@ -31,7 +31,7 @@ std::vector<JointSignals> jointSignals(std::span<const Recording> recordings);
 /// change though no passive machine moves so, torque that is cut off in more than 5 % of the rows. Empty
 /// where they may.
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
-                     const app::ModelDescription& model);
+                     const model::ModelDescription& model);
 
 /// What the motion alone says: range and velocity, joints at rest, single sinusoids, torque that is now and
 /// then cut off; the latter three also as warnings.

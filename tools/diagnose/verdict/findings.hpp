@@ -10,6 +10,9 @@
 
 namespace patella::diagnose {
 
+/// What completes "possibly: " for an effect that is not asserted.
+inline constexpr const char* kOutweighedWords = "it explains less than what nothing explains";
+
 /// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
 /// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that
 /// would tell them apart. Intervals come out wider, by an allowance for the shape of the effect.

@@ -41,6 +41,9 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   std::size_t index = 0;
   const auto& parameters = model::findEffect(recipe.kind)->parameters;
   if (!c.empty() && !strengths.empty()) {
+    if (factor > recipe.largest) {
+      return kNever;
+    }
     c.front() = factor;
     const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const auto& parameter) {
       return parameter.name == strengths.front().front();
@@ -48,6 +51,9 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
     index = static_cast<std::size_t>(found - parameters.begin());
   } else if (c.empty() && recipe.proportional) {
     nu.front() = std::abs(nu.front()) * factor;
+    if (nu.front() > recipe.nonlinear.front().upper) {
+      return kNever;
+    }
   } else {
     return std::nan("");
   }
