@@ -1,5 +1,6 @@
 // patella-convert: recordings of other rigs as logs of frames that drive the loop, logs as tables, and runs
 // in the formats of other programs.
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -13,7 +14,9 @@
 #include "tools/convert/conversion_map.hpp"
 #include "tools/convert/csv_to_log.hpp"
 #include "tools/convert/log_to_csv.hpp"
+#include "tools/convert/run_to_bdf.hpp"
 #include "tools/convert/run_to_mcap.hpp"
+#include "tools/convert/run_to_opensim.hpp"
 
 namespace {
 
@@ -23,6 +26,7 @@ struct Arguments {
   std::filesystem::path map;
   std::filesystem::path run;
   std::filesystem::path broken;
+  std::vector<std::string> coordinates;
   std::vector<std::filesystem::path> attached;
   std::filesystem::path dbc;
   std::filesystem::path out;
@@ -68,13 +72,29 @@ void recover(const Arguments& arguments) {
             << "\n";
 }
 
+void writeBdf(const Arguments& arguments) {
+  const auto report = patella::convert::convertRunToBdf(arguments.run, arguments.out);
+  std::cout << arguments.out.string() << ": " << report.signals << " signals of " << report.samples
+            << " samples at " << report.rate_Hz << " Hz, " << report.held
+            << " of them held where a tick is missing, " << report.annotations << " annotations\n";
+}
+
+void tell(const Arguments& arguments, const patella::convert::OpenSimReport& report) {
+  std::cout << arguments.out.string() << ": " << report.rows << " rows of";
+  for (const std::string& column : report.columns) {
+    std::cout << " " << column;
+  }
+  std::cout << "\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app(
       "Turns a recorded CSV into a log of CAN frames (candump -l), by a bus description and a map of columns "
       "to "
-      "signals; with --decode, a log into a CSV of all signals; with --mcap, a run into a recording in MCAP.",
+      "signals; with --decode, a log into a CSV of all signals; with --mcap, --bdf, --sto or --mot, a run "
+      "into a file for other programs.",
       "patella-convert");
   Arguments arguments;
   auto* recording = app.add_option("recording", arguments.recording, "CSV with a header of names")
@@ -92,6 +112,18 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                  "with --mcap: files that the run was configured from, known by their SHA-256")
       ->needs(mcap)
       ->check(CLI::ExistingFile);
+  auto* bdf =
+      app.add_option("--bdf", arguments.run, "folder of a run to write as BDF+ instead: EMG for its programs")
+          ->check(CLI::ExistingDirectory);
+  auto* sto = app.add_option("--sto", arguments.run,
+                             "folder of a run to write for OpenSim instead: EMG, activation and torques")
+                  ->check(CLI::ExistingDirectory);
+  auto* mot = app.add_option("--mot", arguments.run, "folder of a run to write for OpenSim instead: angles")
+                  ->check(CLI::ExistingDirectory);
+  app.add_option("--coordinates", arguments.coordinates,
+                 "with --mot: the OpenSim model's names of the joints, as hip_flexion_r,knee_angle_r")
+      ->needs(mot)
+      ->delimiter(',');
   auto* dbc = app.add_option("--dbc", arguments.dbc, "bus description")->check(CLI::ExistingFile);
   app.add_option("--out", arguments.out, "file to write")->required();
   auto* rate = app.add_option("--rate", arguments.rate_Hz, "uniform rate in Hz, instead of the map's")
@@ -100,10 +132,15 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                  "with --decode: message whose frames make the rows; the most frequent unless given")
       ->needs(log);
   log->excludes(recording)->excludes(map)->excludes(rate)->needs(dbc);
-  for (auto* form : {mcap, broken}) {
+  const std::vector<CLI::Option*> forms{mcap, broken, bdf, sto, mot};
+  for (auto* form : forms) {
     form->excludes(recording)->excludes(map)->excludes(rate)->excludes(log)->excludes(dbc);
+    for (auto* other : forms) {
+      if (other != form) {
+        form->excludes(other);
+      }
+    }
   }
-  mcap->excludes(broken);
   recording->needs(map)->needs(dbc);
   map->needs(recording);
   try {
@@ -111,9 +148,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 1;
   }
-  if (log->empty() && recording->empty() && mcap->empty() && broken->empty()) {
+  const bool no_form =
+      std::all_of(forms.begin(), forms.end(), [](const auto* form) { return form->empty(); });
+  if (log->empty() && recording->empty() && no_form) {
     std::cerr
-        << "patella-convert: expected a recording with --map, or one of --decode, --mcap and --recover\n";
+        << "patella-convert: expected a recording with --map, or one of --decode, --mcap, --recover, --bdf, "
+           "--sto and --mot\n";
     return 1;
   }
 
@@ -122,6 +162,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       writeMcap(arguments);
     } else if (!broken->empty()) {
       recover(arguments);
+    } else if (!bdf->empty()) {
+      writeBdf(arguments);
+    } else if (!sto->empty()) {
+      tell(arguments, patella::convert::convertRunToSto(arguments.run, arguments.out));
+    } else if (!mot->empty()) {
+      tell(arguments, patella::convert::convertRunToMot(arguments.run, arguments.coordinates, arguments.out));
     } else {
       log->empty() ? encode(arguments) : decode(arguments);
     }

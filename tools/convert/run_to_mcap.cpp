@@ -1,24 +1,22 @@
 #include "tools/convert/run_to_mcap.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 
 #include "drivers/can/candump_log.hpp"
-#include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/json_file.hpp"
 #include "firmware_app/formats/mcap_reader.hpp"
 #include "firmware_app/formats/mcap_run.hpp"
+#include "tools/convert/run_events.hpp"
 #include "tools/convert/run_rows.hpp"
 
 namespace patella::convert {
 namespace {
 
 constexpr double kSecond_ns = 1e9;
-constexpr std::size_t kLongestEvent = 10'000;
 constexpr files::FileKind kAttached{"an attachment", 64'000'000};
 
 /// The frames of a run, the next one in sight.
@@ -36,39 +34,6 @@ class FrameStream {
  private:
   std::optional<can::CandumpReader> reader_;
   can::LogEntry entry_;
-  bool more_ = false;
-};
-
-/// The events of a run, without the lines that say what it was made of.
-class EventStream {
- public:
-  explicit EventStream(const std::filesystem::path& file) : name_(file.string()) {
-    if (std::filesystem::exists(file)) {
-      lines_.emplace(file, kLongestEvent);
-      advance();
-    }
-  }
-  bool more() const noexcept { return more_; }
-  double time_s() const noexcept { return time_s_; }
-  const std::string& line() const noexcept { return line_; }
-
-  void advance() {
-    constexpr std::string_view kTime = "t_s=";
-    do {
-      more_ = lines_->next(line_) && !lines_->unterminated();
-    } while (more_ && !line_.starts_with(kTime));
-    if (more_ && std::from_chars(line_.data() + kTime.size(), line_.data() + line_.size(), time_s_).ec !=
-                     std::errc()) {
-      throw app::FileError(name_ + ":" + std::to_string(lines_->line()) + ": value '" + line_ +
-                           "', expected t_s= and a time");
-    }
-  }
-
- private:
-  std::string name_;
-  std::optional<files::LineReader> lines_;
-  std::string line_;
-  double time_s_ = 0.0;
   bool more_ = false;
 };
 
@@ -130,7 +95,7 @@ McapReport convertRunToMcap(const std::filesystem::path& run,
   const auto time_column =
       std::find(rows.columns().begin(), rows.columns().end(), "t_s") - rows.columns().begin();
   FrameStream frames(run / "frames.log");
-  EventStream events(run / "events.log");
+  RunEvents events(run / "events.log");
   const std::int64_t epoch_ns = frames.next() == nullptr ? 0 : frames.next()->frame.wall_ns;
   const auto at = [&](double time_s) {
     const auto wall_ns = static_cast<std::uint64_t>(epoch_ns + std::llround(time_s * kSecond_ns));
