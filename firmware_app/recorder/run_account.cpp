@@ -23,6 +23,7 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   const tick::TickOutput& output = report.output;
   r.tick = report.tick;
   r.time_s = report.time_s;
+  r.wall_ns = report.wall_ns;
   r.missed_periods = report.missed_periods;
   r.wakeup_latency_ns = report.wakeup_latency_ns;
   r.execution_ns = report.execution_ns;
