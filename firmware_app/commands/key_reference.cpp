@@ -64,7 +64,7 @@ std::vector<KeyDescription> numberKeys() {
       {"emg.gain1_Nm", "0", "torque on joint 1 at full activation, for each channel"},
       {"emg.gain2_Nm", "0", "torque on joint 2 at full activation, for each channel"},
       {"control.gravity", "0", "share of the model's gravity that the drives carry"},
-      {"control.model", "0", "share of the model's other terms along the reference"},
+      {"control.model", "0", "share of the model without gravity: inertia at the reference's acceleration, velocity terms, effects"},
       {"control.emg", "0", "share of the EMG torque; negative resists"},
       {"control.compensation", "0", "share of the estimated unknown torque that is compensated"},
       {"control.stiffness_Nm_rad", "0", "towards the reference, for each joint"},

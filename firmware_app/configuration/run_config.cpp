@@ -196,6 +196,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   readLoop(loop, config);
   readRealtime(root.optionalTable("realtime"), config);
   readGpio(root.optionalTable("gpio"), config);
+  config.record_mcap = root.optionalTable("recorder").boolean("mcap", false);
   const TomlTable bus = root.table("bus");
   const std::string backend = bus.string("backend", "sim");
   try {

@@ -76,6 +76,7 @@ struct RunConfig {
   int warmup_ticks = 200;  ///< heap operations and page faults are counted from here on
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
+  bool record_mcap = false;                   ///< a run.mcap beside the other files
   std::uint64_t min_free_bytes = 50'000'000;  ///< on the recording's disk
   model::ModelDescription model;
   BusDescription bus;

@@ -67,9 +67,8 @@ def requirement_rows():
         cells = [cell.strip() for cell in line.strip().strip("|").split(" | ")]
         if len(cells) != 6:
             sys.exit(f"iec62304.py: docs/safety.md: {len(cells)} columns, expected 6 in '{line[:60]}…'")
-        # What the row refers to stands in the other document.
-        cells = [cell.replace("](#", "](safety.md#") for cell in cells]
-        function, detection, fault, reaction, budget, tests = cells
+        # A heading of safety.md is none of the other document.
+        function, detection, fault, reaction, budget, tests = (cell.replace("](#", "](safety.md#") for cell in cells)
         counts[hazard] = counts.get(hazard, 0) + 1
         raised = "" if fault == "–" else f", as {fault}"
         yield [f"{hazard}.{counts[hazard]}", f"{function.removeprefix(hazard + ': ')}: {detection}{raised}; {reaction}, {budget}",
