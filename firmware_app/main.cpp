@@ -79,8 +79,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   addCommon(check, line);
   check.footer(
       "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
-  const CLI::App& bounds =
-      *app.add_subcommand("bounds", "Print what every number of every file may be, and why, as Markdown.");
+  const CLI::App& bounds = *app.add_subcommand(
+      "bounds", "Print every key of every file, with range, default and meaning, as Markdown.");
   app.add_subcommand("view", "Serve a live run to viewers, by a process of its own: patella view --help.");
   try {
     app.parse(argc, argv);

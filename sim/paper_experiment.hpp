@@ -17,7 +17,7 @@ enum class PaperExperiment : std::uint8_t {
   kSecond,  ///< (37): h = (atan t + cos t, sin 2t + sin 0.5t)
 };
 
-/// What a rig would deliver at the end of a step, without noise, and what it could not know.
+/// A rig's signals at the end of a step, without noise, and the truth behind them.
 struct PaperSample {
   double time_s = 0.0;
   JointVector q;

@@ -29,7 +29,7 @@ struct ModelDescription {
 
 /// Throws std::invalid_argument when a value is out of its range.
 DynamicsModel makeModel(const ModelDescription& description);
-/// What makeModel() was given. Throws std::invalid_argument for a mechanism that no description can express.
+/// The inverse of makeModel(). Throws std::invalid_argument for a mechanism that no description can express.
 ModelDescription describeModel(const DynamicsModel& dynamics);
 
 }  // namespace patella::model

@@ -21,7 +21,7 @@ namespace patella::can {
 /// Messages and signals that the database lacks are left to whoever compiles them.
 void checkBindings(const Database& database, const BusMap& map, std::span<const CommandMap> commands);
 
-/// What such a map allows, but a person had better know: messages that matter to safety without counter or
+/// Remarks on a map that is allowed: messages that matter to safety without counter or
 /// CRC (those of EMG where it assists), drives that do not report, signals whose unit nobody can compare.
 std::vector<std::string> bindingRemarks(const Database& database, const BusMap& map,
                                         std::span<const CommandMap> commands, bool emg_assists);

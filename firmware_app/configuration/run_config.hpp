@@ -18,9 +18,9 @@
 #include "drivers/gpio/gpiod_pins.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
 #include "firmware_app/configuration/estimation_config.hpp"
-#include "firmware_app/loop/loop.hpp"
-#include "firmware_app/realtime/realtime_setup.hpp"
-#include "firmware_app/realtime/watchdog.hpp"
+#include "firmware_app/loop/loop_options.hpp"
+#include "firmware_app/realtime/realtime_options.hpp"
+#include "firmware_app/realtime/watchdog_options.hpp"
 #include "sim/rig.hpp"
 
 namespace patella::app {
@@ -73,6 +73,7 @@ struct RunConfig {
   /// an interface that leads to a wire.
   bool rehearsal = false;
   LoopOptions loop;
+  int warmup_ticks = 200;  ///< heap operations and page faults are counted from here on
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
   bool record_mcap = false;                   ///< a run.mcap beside the other files
@@ -97,7 +98,7 @@ struct RunConfig {
 /// std::invalid_argument for a bad argument.
 RunConfig loadRunConfig(const CommandLine& command_line);
 
-/// What reads the bus and what writes to it, as mapped. Throw FileError naming the bus map and the input or
+/// Decoder and encoder of the bus, as mapped. Throw FileError naming the bus map and the input or
 /// output.
 can::MeasurementDecoder makeDecoder(const RunConfig& config);
 can::CommandEncoder makeEncoder(const RunConfig& config);

@@ -96,6 +96,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "signals; with --decode, a log into a CSV of all signals; with --mcap, --bdf, --sto or --mot, a run "
       "into a file for other programs.",
       "patella-convert");
+  app.set_version_flag("--version", std::string("patella-convert ") + PATELLA_VERSION);
   Arguments arguments;
   auto* recording = app.add_option("recording", arguments.recording, "CSV with a header of names")
                         ->check(CLI::ExistingFile);

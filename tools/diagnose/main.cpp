@@ -24,7 +24,6 @@
 #include "tools/diagnose/output/diagnosis_report.hpp"
 #include "tools/diagnose/output/effects_document.hpp"
 #include "tools/diagnose/regression/excerpts.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/recordings/recording_file.hpp"
 
@@ -36,7 +35,7 @@ using namespace patella::diagnose;
 
 /// With fewer, no effect could stand out from chance at 0.5 %, however strong.
 constexpr int kFewestReplicates = 299;
-/// What nobody's leg exerts (strongest knee extensors: some 400 N·m).
+/// A torque beyond any leg's (strongest knee extensors: some 400 N·m).
 constexpr double kStrongestPerson_Nm = 500.0;
 
 struct Arguments {

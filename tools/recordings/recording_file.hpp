@@ -19,6 +19,8 @@ struct RecordingOptions {
   std::optional<std::filesystem::path> bus_map{};
   /// In place of what the form of the file implies.
   std::optional<TorqueTiming> torque_timing{};
+  /// f_u as a simulated rig published it is wanted, too; only run folders have it.
+  bool truth = false;
 };
 
 /// Reads one of

@@ -1,4 +1,4 @@
-// What a diagnosis leaves behind.
+// Files that a diagnosis leaves behind.
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -6,7 +6,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;

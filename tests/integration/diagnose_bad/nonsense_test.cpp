@@ -13,7 +13,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "spoilt_rigs.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/recordings/recording_file.hpp"
 
@@ -88,7 +88,7 @@ Table tableOf(const SpoiltRig& rig) {
   return table;
 }
 
-/// What becomes of a file: read, and judged with the model.
+/// Outcome for a file: read, and judged with the model.
 Recording judged(const Table& table, const model::ModelDescription& model) {
   const ScratchFolder folder;
   app::writeFile(folder / "run.csv", table.csv());

@@ -1,4 +1,4 @@
-// What a diagnosis must find in recordings of other people's machines and of a person. Bounds are a little
+// Findings in recordings of other people's machines and of a person. Bounds are a little
 // above what was reached, which stands in docs/measured_diagnosis.md.
 #include <algorithm>
 #include <filesystem>

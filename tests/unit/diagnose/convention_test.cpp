@@ -1,4 +1,4 @@
-// What the judgement of conventions promises: each changes states as its words say, the right one explains a
+// Promises of the judgement of conventions: each changes states as its words say, the right one explains a
 // recording that was made with it, and none is found in a recording that the model explains.
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "tools/diagnose/checks/convention_search.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

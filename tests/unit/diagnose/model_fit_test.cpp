@@ -1,4 +1,4 @@
-// What a fit may make of a mechanism.
+// Limits of a fit of a mechanism.
 #include "tools/diagnose/fit/model_fit.hpp"
 
 #include <array>

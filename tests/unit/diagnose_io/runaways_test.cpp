@@ -1,4 +1,4 @@
-// What a reader is told to look at twice.
+// Numbers that a reader is told to look at twice.
 #include "tools/diagnose/verdict/runaways.hpp"
 
 #include <algorithm>

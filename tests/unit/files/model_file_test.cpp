@@ -11,7 +11,7 @@
 #include "firmware_app/files/wording.hpp"
 #include "tests/support/joint_pair.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::app;

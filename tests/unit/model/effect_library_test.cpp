@@ -1,4 +1,4 @@
-// What holds for every kind of the catalogue.
+// Rules that hold for every kind of the catalogue.
 #include <limits>
 #include <random>
 #include <set>

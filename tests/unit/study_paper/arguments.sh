@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What cannot be understood is refused with exit status 1 and by name, before anything is measured or written.
+# Bad arguments are refused with exit status 1 and by name, before anything is measured or written.
 #
 #   arguments.sh PATELLA_BENCH_PAPER
 set -uo pipefail

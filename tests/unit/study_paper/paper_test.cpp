@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/studies/paper/kept_results.hpp"
 #include "tools/studies/paper/network_case.hpp"
 #include "tools/studies/paper/paper_tables.hpp"

@@ -35,6 +35,10 @@ std::vector<Rig> rigs(const fs::path& source) {
   };
 }
 
+bool movedByHand(const std::string& name) {
+  return name == "sp_energy_shaping_pushed" || name == "sp_gravity_compensation";
+}
+
 std::set<fs::path> filesOf(const fs::path& folder, const std::string& prefix) {
   if (!fs::is_directory(folder)) {
     throw app::FileError(folder.string() + ": is not there, expected a folder of recordings");
@@ -61,7 +65,8 @@ std::vector<MeasuredRecording> measuredRecordings(const fs::path& data, const fs
            .name = file.stem().string(),
            .model = model,
            .recording = diagnose::loadRecording(
-               file, {.joints = model.joints(), .columns = source / "tools/diagnose/maps" / rig.columns})});
+               file, {.joints = model.joints(), .columns = source / "tools/diagnose/maps" / rig.columns}),
+           .by_hand = movedByHand(file.stem().string())});
     }
   }
   return all;

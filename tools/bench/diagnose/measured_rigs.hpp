@@ -15,6 +15,7 @@ struct MeasuredRecording {
   std::string name;  ///< file
   model::ModelDescription model;
   diagnose::Recording recording;
+  bool by_hand = false;  ///< a person moved or pushed it, and nothing measured how
 };
 
 /// All that move and are no table, in a fixed order. `data`: folder that holds emps, double_pendulum and

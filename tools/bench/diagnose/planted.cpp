@@ -23,6 +23,9 @@
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
+#include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {
 namespace {
@@ -93,14 +96,19 @@ std::vector<double> parametersOf(const std::string& kind, const std::map<std::st
   return values;
 }
 
-// One of the effects that the recording as it is would have revealed: half of them exactly as large as the
-// smallest that it would have. Nothing where it would have revealed none.
-std::optional<Plant> drawPlant(const diagnose::Diagnosis& plain, const Recording& recording, Random& random) {
+// One of the effects that the recording as it is would have revealed, on a joint whose drive can give their
+// torque: half of them exactly as large as the smallest that it would have. Nothing where there is none.
+std::optional<Plant> drawPlant(const diagnose::Diagnosis& best, const Recording& recording, Random& random) {
+  const diagnose::Dataset data(std::span(&recording, 1), {});
+  const std::vector<bool> driven = diagnose::drivenJoints(
+      data, model::makeModel({.mechanism = best.extended.mechanism, .effects = {}}).mechanism());
   std::vector<const diagnose::Revealed*> possible;
-  for (const diagnose::Revealed& revealed : plain.revealed) {
+  for (const diagnose::Revealed& revealed : best.revealed) {
     const bool drawn = std::find(kKinds.begin(), kKinds.end(), revealed.kind) != kKinds.end();
-    if (drawn && std::isfinite(revealed.smallest_size) && revealed.smallest_size > 0.0 &&
-        revealed.share_of_torque < kLargestShare) {
+    const bool late = revealed.kind == "actuator_lag" || revealed.kind == "actuator_delay";
+    if (drawn && driven[static_cast<std::size_t>(revealed.joint)] && std::isfinite(revealed.smallest_size) &&
+        revealed.smallest_size > 0.0 && revealed.share_of_torque < kLargestShare &&
+        !(late && revealed.smallest_size > diagnose::convention::kLeastShift_s)) {
       possible.push_back(&revealed);
     }
   }
@@ -127,7 +135,6 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
   constexpr double kEveryRow_Hz = 1e6;
   const diagnose::Dataset data(std::span(&recording, 1), {.evaluation_rate_Hz = kEveryRow_Hz});
   const auto effect = model::makeEffect(plant.kind, plant.joint, mechanism, plant.parameters);
-  const auto j = static_cast<std::size_t>(plant.joint);
   const std::size_t first = recording.segments.front().first;
   const diagnose::Series& series = data.series().front();
   const auto torque = [&](std::size_t i, double later_s) {
@@ -138,25 +145,29 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
     return (1.0 - share) * series.states[low].torque_Nm[plant.joint] +
            share * series.states[low + 1].torque_Nm[plant.joint];
   };
-  std::vector<double> planted(series.states.size());
+  std::vector<JointVector> planted(series.states.size(), JointVector::Zero(recording.joints));
   effect->reset(series.states.front());
   for (std::size_t i = 0; i < planted.size(); ++i) {
-    const double measured = recording.torque_Nm[j][first + i];
     if (plant.kind == "actuator_delay") {
-      planted[i] = measured + torque(i, plant.parameters[0]) - torque(i, 0.0);
+      planted[i][plant.joint] = torque(i, plant.parameters[0]) - torque(i, 0.0);
     } else if (plant.kind == "actuator_lag") {
       const double step_s = 1.0 / series.rate_Hz;
-      planted[i] = measured + plant.parameters[0] * (torque(i, step_s) - torque(i, -step_s)) / (2.0 * step_s);
+      planted[i][plant.joint] =
+          plant.parameters[0] * (torque(i, step_s) - torque(i, -step_s)) / (2.0 * step_s);
     } else {
       if (i > 0) {
         effect->advance(series.states[i], 1.0 / series.rate_Hz);
       }
-      planted[i] = measured + (effect->inertia(series.states[i].q) * series.acceleration[i] -
-                               effect->torque(series.states[i]))[plant.joint];
+      planted[i] =
+          effect->inertia(series.states[i].q) * series.acceleration[i] - effect->torque(series.states[i]);
     }
   }
-  std::copy(planted.begin(), planted.end(),
-            recording.torque_Nm[j].begin() + static_cast<std::ptrdiff_t>(first));
+  // A load on one joint is carried by those before it, too.
+  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
+    for (std::size_t i = 0; i < planted.size(); ++i) {
+      recording.torque_Nm[j][first + i] += planted[i][static_cast<Eigen::Index>(j)];
+    }
+  }
 }
 
 // Nothing where the recording is refused.
@@ -233,19 +244,24 @@ bool names(const diagnose::EffectFinding& finding, const Plant& plant) {
          (finding.kind == plant.kind || std::find(others.begin(), others.end(), plant.kind) != others.end());
 }
 
-// Whether the interval of the planted number holds it; nothing where it was not found by its own name.
-std::optional<bool> holdsSize(const diagnose::Diagnosis& diagnosis, const Plant& plant) {
+// The planted number as it was found; nothing where the effect was not found by its own name.
+std::optional<diagnose::ParameterEstimate> foundSize(const diagnose::Diagnosis& diagnosis,
+                                                     const Plant& plant) {
   for (const diagnose::EffectFinding& finding : diagnosis.effects) {
     if (finding.joint != plant.joint || finding.kind != plant.kind) {
       continue;
     }
     for (const diagnose::ParameterEstimate& estimate : finding.parameters) {
       if (estimate.name == plant.main) {
-        return estimate.ci95[0] <= plant.size && plant.size <= estimate.ci95[1];
+        return estimate;
       }
     }
   }
   return std::nullopt;
+}
+
+bool holds(const diagnose::ParameterEstimate& estimate, double size) {
+  return estimate.ci95[0] <= size && size <= estimate.ci95[1];
 }
 
 // `diagnosis`: nothing where the recording was refused.
@@ -255,9 +271,9 @@ void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plan
     for (const diagnose::EffectFinding& finding : diagnosis->effects) {
       (names(finding, plant) ? found : other) = true;
     }
-    if (const std::optional<bool> holds = holdsSize(*diagnosis, plant)) {
+    if (const auto size = foundSize(*diagnosis, plant)) {
       ++counts.sized;
-      counts.interval_holds += *holds ? 1 : 0;
+      counts.interval_holds += holds(*size, plant.size) ? 1 : 0;
     }
     const bool silent = !found && !other;
     counts.unknown += silent && diagnosis->verdict == diagnose::Verdict::kUnknownEffect ? 1 : 0;
@@ -302,18 +318,32 @@ std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
   return text;
 }
 
-// What the search had against an effect that it did not take: "gain 12 of 9: stability".
-std::string refusal(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
-  if (!diagnosis || diagnosis->steps.empty()) {
+// The size that was found, or what stands against the effect: "gain 12 of 9: stability", or the doubts.
+std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
+  if (!diagnosis) {
     return {};
   }
+  if (const auto size = foundSize(*diagnosis, plant)) {
+    return fmt::format("{:.4g} [{:.4g} {:.4g}]", size->value, size->ci95[0], size->ci95[1]);
+  }
   const std::string label = fmt::format("{}@{}", plant.kind, plant.joint + 1);
-  for (const diagnose::CandidateScore& score : diagnosis->steps.back().ranking) {
-    if (score.label == label) {
-      return fmt::format("gain {:.1f} of {:.1f}: {}", score.gain, score.threshold, score.refused_because);
+  for (const std::string& warning : diagnosis->warnings) {
+    if (warning.starts_with(label)) {
+      return warning;
     }
   }
-  return {};
+  if (!diagnosis->steps.empty()) {
+    for (const diagnose::CandidateScore& score : diagnosis->steps.back().ranking) {
+      if (score.label == label) {
+        return fmt::format("gain {:.1f} of {:.1f}: {}", score.gain, score.threshold, score.refused_because);
+      }
+    }
+  }
+  std::string doubts;
+  for (const diagnose::Doubt& doubt : diagnosis->doubts) {
+    doubts += fmt::format(" {}", diagnose::doubtName(doubt.kind));
+  }
+  return doubts;
 }
 
 }  // namespace
@@ -325,7 +355,7 @@ class PlantedCases {
     if (!options.out.empty()) {
       std::filesystem::create_directories(options.out);
       table_.open(options.out / "planted.csv");
-      table_ << "case,rig,recording,from,to,plain,planted,parameter,size,in_smallest,answer,refusal\n";
+      table_ << "case,rig,recording,from,to,plain,planted,parameter,size,in_smallest,answer,remark\n";
     }
   }
 
@@ -336,7 +366,9 @@ class PlantedCases {
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
     const Recording recording = part(half.source->recording, from, from + length);
     const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
-    const std::optional<Plant> plant = plain ? drawPlant(*plain, recording, random) : std::nullopt;
+    const std::optional<diagnose::Diagnosis> best = plain ? decide(recording, plain->extended) : std::nullopt;
+    const std::optional<Plant> plant =
+        best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
     std::optional<diagnose::Diagnosis> answer;
     if (plant) {
       answer = diagnosePlanted(recording, plain->extended, *plant);
@@ -361,7 +393,7 @@ class PlantedCases {
                     half.source->name, from, from + length, foundText(plain) + (is_false ? " FALSE" : ""),
                     plant ? fmt::format("{}@{}", plant->kind, plant->joint + 1) : "",
                     plant ? plant->main : "", plant ? plant->size : 0.0, plant ? plant->in_smallest : 0.0,
-                    plant ? foundText(answer) : "", plant ? refusal(answer, *plant) : "");
+                    plant ? foundText(answer) : "", plant ? remark(answer, *plant) : "");
     std::fprintf(stderr, "%s\n", row.c_str());
     if (table_.is_open()) {
       table_ << row << "\n" << std::flush;

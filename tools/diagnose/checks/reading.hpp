@@ -11,7 +11,7 @@
 
 namespace patella::diagnose {
 
-/// What the model leaves of each joint's torque, over the joint's load: the torque, or the largest term of
+/// Each joint's residual torque, over the joint's load: the torque, or the largest term of
 /// the model where the joint is not driven, so that passive joints count as much as driven ones.
 struct Reading {
   /// With parameters within convention::kOwnRange, and rubbing: every machine rubs. 0 where a joint is at
@@ -41,7 +41,7 @@ class Reader {
 
  private:
   enum Freedom { kRubbing, kAllEffects };
-  /// What a motion needs from the drives, whatever they gave.
+  /// Torque that a motion needs from the drives, whatever they gave.
   struct Columns {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
     Eigen::MatrixXd effects;  ///< plain ones, four for each joint

@@ -50,7 +50,7 @@ std::shared_ptr<const Recipe> declaredRecipe(const model::EffectDescription& eff
     std::vector<double> parameters = effect.parameters;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       for (const std::size_t index : groups[g]) {
-        // What is scaled must be a model that can be read again.
+        // A scaled parameter must leave a model that can be read again.
         const model::EffectParameter& range = ranges[index];
         parameters[index] = std::clamp(c[g] * parameters[index], range.minimum, range.maximum);
       }

@@ -131,7 +131,7 @@ ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nom
   for (const PhysicalParameter& parameter : physicalParameters(mechanism)) {
     names_.push_back(parameter.name);
     values_.push_back(*parameter.value);
-    // What it finds must be a model that can be read again.
+    // The result must be a model that can be read again.
     const double room = std::log(parameter.bound.maximum / *parameter.value);
     largest_logarithm_.push_back(std::min(kLargestLogarithm, room));
   }
@@ -215,7 +215,7 @@ Eigen::MatrixXd ModelFitter::regressorOf(const ModelFit& fit) {
   return regressor;
 }
 
-// What was worked out under this name before, or is now.
+// The result that was worked out under this name before, or is now.
 Eigen::MatrixXd ModelFitter::cached(const std::string& key,
                                     const std::function<Eigen::MatrixXd()>& work_out) {
   if (const auto found = cache_.find(key); found != cache_.end()) {

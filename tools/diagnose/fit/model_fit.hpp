@@ -17,11 +17,9 @@
 #include "tools/diagnose/fit/edges.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/noise_model.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
-
-/// Share of the residual: a coefficient whose torque is less is zero.
-inline constexpr double kNextToNothing = 1e-3;
 
 /// An effect in the fit.
 struct Term {
@@ -51,8 +49,8 @@ struct ModelFit {
 };
 
 struct FitOptions {
-  double nominal_tolerance = 0.10;
-  double declared_tolerance = 0.10;
+  double nominal_tolerance = runaway::kTolerance;
+  double declared_tolerance = runaway::kTolerance;
   int rounds = 2;  ///< estimates of the noise's scale and of the parameters in turn
 };
 
@@ -78,10 +76,10 @@ class ModelFitter {
 
   /// Basis of a recipe as Columns.
   Eigen::MatrixXd basis(const Recipe& recipe, std::span<const double> nu);
-  /// What the files call this fit.
+  /// Name of this fit in the files.
   model::ModelDescription describe(const ModelFit& fit) const;
   static std::vector<double> effectParameters(const Term& term);
-  /// What a term takes from the drives, as a Column.
+  /// Torque that a term takes from the drives, as a Column.
   Eigen::VectorXd torque(const Term& term);
 
   /// Names and nominal values of the mechanism's parameters, in the order of ModelFit::mechanism.
@@ -91,11 +89,11 @@ class ModelFitter {
  private:
   class Cost;
   model::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
-  /// What Recipe::shifts_angle adds to the mechanism's regressor.
+  /// Addition of Recipe::shifts_angle to the mechanism's regressor.
   Eigen::MatrixXd shift(int joint, double angle_rad);
   /// Regressor of the mechanism where it stands.
   Eigen::MatrixXd regressorOf(const ModelFit& fit);
-  /// What the drives would have to give if they gave what they are told, as a Column.
+  /// Torque that drives which obey would have to give, as a Column.
   Eigen::VectorXd toGive(const ModelFit& fit);
   /// Columns of such torques as the drives are told (Recipe::scales_all).
   Eigen::MatrixXd scaled(const ModelFit& fit, Eigen::MatrixXd columns) const;

@@ -37,7 +37,7 @@ std::string effectLine(const EffectFinding& effect, const Units& units) {
   return line;
 }
 
-// What would have explained as much as what was accepted, or more than chance where nothing was, but for its
+// A candidate that would have explained as much as the accepted one, or more than chance, but for its
 // sign: each kind once, where it would have explained most.
 std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
   std::map<std::string, std::pair<double, std::string>> refused;

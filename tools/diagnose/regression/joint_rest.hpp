@@ -1,4 +1,4 @@
-// What a model leaves of a joint's torque, against the torque and against what sensors make.
+// A joint's residual torque, against its torque and against the noise of sensors.
 #pragma once
 
 #include <span>
@@ -8,10 +8,6 @@
 #include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose {
-
-/// Share of a joint's torque (rms) that a model may leave beyond noise and still be said to lack nothing but
-/// what was found: machines leave a tenth to a fifth with the best model of them.
-inline constexpr double kMaterialRest = 0.2;
 
 /// rms values below the band's edge, N·m (N on a rail).
 struct JointRest {
@@ -34,7 +30,7 @@ std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mech
 std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
                                   std::span<const double> noise_Nm);
 
-/// What sensors, and pushes of these rms values, which somebody declared, make of each joint's torque, N·m.
+/// Noise of each joint's torque by sensors and by declared pushes of these rms values, N·m.
 /// `person_Nm`: one for each joint, or empty.
 std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
                                   double band_Hz, std::span<const double> person_Nm);

@@ -5,12 +5,11 @@
 
 #include <Eigen/Dense>
 
+#include "tools/diagnose/thresholds.hpp"
+
 namespace patella::diagnose {
 namespace {
 
-/// Share of a column's square that other effects may fail to give, and still be said to give it. Two signs of
-/// a velocity that are smoothed differently stay below; a friction with a shape of its own does not.
-constexpr double kRepeated = 2e-3;
 /// Not at the bound itself, from which a derivative by ν would vanish.
 constexpr double kOffTheBound = 1e-3;
 
@@ -45,7 +44,7 @@ std::vector<bool> ownCoefficients(const Eigen::MatrixXd& basis, const Eigen::Mat
   for (Eigen::Index k = 0; k < basis.cols(); ++k) {
     const Eigen::VectorXd rest =
         basis.col(k) - others * length.cwiseInverse().asDiagonal() * decomposition.solve(basis.col(k));
-    own[static_cast<std::size_t>(k)] = rest.squaredNorm() > kRepeated * basis.col(k).squaredNorm();
+    own[static_cast<std::size_t>(k)] = rest.squaredNorm() > accepted::kRepeated * basis.col(k).squaredNorm();
   }
   return own;
 }
@@ -71,7 +70,7 @@ std::vector<double> firstEstimate(const Recipe& recipe, const ModelFit& fit, con
 
 bool replaces(const Recipe& recipe, const Term& term) {
   const Recipe& other = *term.recipe;
-  // What was found with a shape of its own is no special case.
+  // A found effect with a shape of its own is no special case.
   return other.joint == recipe.joint && other.nonlinear.empty() &&
          std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
 }
@@ -108,6 +107,17 @@ std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recip
     return some;
   };
   return std::make_shared<const Recipe>(std::move(smaller));
+}
+
+bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom) {
+  if (atom.recipe->coefficients() == 0) {
+    return false;
+  }
+  ModelFit beside = fit;
+  std::erase_if(beside.terms, [&](const Term& term) { return replaces(*atom.recipe, term); });
+  const std::vector<bool> own =
+      ownCoefficients(fitter.basis(*atom.recipe, atom.nu), effectColumns(fitter, beside));
+  return std::find(own.begin(), own.end(), true) == own.end();
 }
 
 std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom,

@@ -1,4 +1,4 @@
-// What a model lacks: the selected effects, and how late the drives are.
+// Effects that a model lacks: those selected, and how late the drives are.
 #pragma once
 
 #include <memory>

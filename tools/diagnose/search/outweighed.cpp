@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/free_function.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -25,7 +26,7 @@ Joints leftBy(ModelFitter& fitter, const ModelFit& fit) {
   return joints;
 }
 
-// What only an effect explains over what nothing explains, on the joint where that is most.
+// The part that only this effect explains over the unexplained rest, on the joint where that is most.
 double overRest(const Joints& with, const Joints& without, std::span<const double> noise_Nm) {
   double most = 0.0;
   for (std::size_t joint = 0; joint < with.square_Nm2.size(); ++joint) {
@@ -51,7 +52,7 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
   for (;;) {
     const Joints with = leftBy(fitter, selection.fit);
     const std::vector<FreeFunction> functions = freeFunctions(fitter.data(), selection);
-    double least = kOverRest;
+    double least = asserted::kOverRest;
     std::optional<Selection> best;
     const Recipe* recipe = nullptr;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {

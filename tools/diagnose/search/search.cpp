@@ -8,13 +8,13 @@
 
 #include <Eigen/Dense>
 
+#include "tools/diagnose/thresholds.hpp"
+
 namespace patella::diagnose {
 namespace {
 
 /// A column of which the fit leaves less than this share adds nothing.
 constexpr double kSpanned = 1e-10;
-/// While something is missing, the noise of a fit holds it too and looks slower than it is.
-constexpr double kLargestRedundancy = 12.0;
 
 // Sine and cosine at the times of the rows: thousands of frequencies are tried, and filtering each would take
 // most of the time of a diagnosis.
@@ -77,9 +77,6 @@ Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int coun
 
 constexpr Eigen::Index kColumnsAtATime = 64;
 constexpr Eigen::Index kClusters = 40;
-/// The variance of a sum of products of two Gaussian processes is at most twice as large where they go
-/// together (Isserlis); what varies more is something missing that shows here and there, such as a contact.
-constexpr double kMostByMotion = 2.0;
 
 // Mean square that chance brings a column of the basis, from sums of its products with the residual over
 // pieces of time (Liang and Zeger, Biometrika 73, 1986).
@@ -102,7 +99,7 @@ double clusteredVariance(const std::vector<Eigen::VectorXd>& basis, Eigen::Vecto
       sum += product * product;
     }
   }
-  // What the basis took up of the residual is missing in the sums.
+  // The part of the residual that the basis took up is missing in the sums.
   const auto taken = static_cast<double>(basis.size());
   return sum / taken * static_cast<double>(kClusters) / (static_cast<double>(kClusters) - taken);
 }
@@ -130,7 +127,7 @@ Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight
 }
 
 double withMotion(const ScreenedGroup& group, double unit) {
-  return std::clamp(group.seen_in_time, unit, kMostByMotion * unit);
+  return std::clamp(group.seen_in_time, unit, accepted::kMostByMotion * unit);
 }
 
 Eigen::MatrixXd Atoms::of(const Atom& atom) const {
@@ -255,7 +252,8 @@ void Screening::drawChance(const Dataset& data, const ModelFit& fit, const Scree
     if (group.count > 0) {
       group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
                    static_cast<double>(group.count * products_.cols());
-      results_[g].gain = results_[g].raw_gain / withMotion(group, group.unit);
+      const double raw = results_[g].raw_gain;
+      results_[g].gain = raw > 0.0 ? raw / withMotion(group, group.unit) : 0.0;
     }
   }
 }
@@ -277,7 +275,9 @@ std::vector<double> Screening::chance(const Statistic& statistic) const {
       if (group.count == 0 || (group.one_sided && products_(group.first, r) < 0.0F)) {
         continue;
       }
-      const double gain = products_.col(r).segment(group.first, group.count).squaredNorm() / group.unit;
+      const double square = products_.col(r).segment(group.first, group.count).squaredNorm();
+      // Where a fit leaves nothing at all, chance brings nothing, and its unit is none.
+      const double gain = square > 0.0 ? square / group.unit : 0.0;
       double& best = largest[static_cast<std::size_t>(r)];
       best = std::max(best, statistic(gain, group.dimensions));
     }
@@ -303,7 +303,7 @@ double redundancy(const Dataset& data, const ModelFit& fit, std::uint64_t seed) 
   const Eigen::Index rows = draws.rows() - free.prior_weight.size();
   const double share = (explained.topRows(rows).transpose() * draws.topRows(rows)).squaredNorm() /
                        static_cast<double>(explained.cols() * kUnitDraws);
-  return std::clamp(share, 1.0, kLargestRedundancy);
+  return std::clamp(share, 1.0, accepted::kLargestRedundancy);
 }
 
 double chanceUnit(const Dataset& data, const ModelFit& fit, Eigen::Index count, std::uint64_t seed) {

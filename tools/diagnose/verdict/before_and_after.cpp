@@ -8,14 +8,10 @@
 
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Held-out error over noise floor from which on something else happens there.
-constexpr double kOutOfProportion = 2.5;
-/// Held-out error of a joint after over before from which on the user is told: less is within the noise.
-constexpr double kCost = 1.05;
 
 void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
                const model::ModelDescription& given, Diagnosis& result) {
@@ -38,7 +34,7 @@ bool isWorse(const Diagnosis& result, const std::vector<double>& unit_Nm) {
   return more > 0.0;
 }
 
-// What does not hold on data that it was not fitted to is not added. A hip's noise is several times a knee's,
+// Effects that do not hold on held-out data are not added. A hip's noise is several times a knee's,
 // so joints count in units of theirs. Where nothing was named to explain it, what a fit leaves may be no
 // noise: refitted parameters then have to hold in plain torque, too.
 void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) {
@@ -73,7 +69,7 @@ void tellWhichJointPays(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.after.heldout_rms_Nm.size(); ++joint) {
     const double before = result.before.heldout_rms_Nm[joint];
     const double after = result.after.heldout_rms_Nm[joint];
-    if (after > kCost * before) {
+    if (after > holds::kCost * before) {
       result.warnings.push_back(fmt::format(
           "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while that of all together falls",
           joint + 1, before, after, result.torque_unit));
@@ -81,12 +77,12 @@ void tellWhichJointPays(Diagnosis& result) {
   }
 }
 
-// What happens only in the part that was held out has left no trace in the one that was fitted.
+// An event of the held-out part alone has left no trace in the fitted one.
 void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = result.noise_floor_Nm[joint];
     const double unseen = result.after.heldout_rms_Nm[joint];
-    if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
+    if (fitted > 0.0 && unseen > holds::kOutOfProportion * fitted) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
                                     .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),

@@ -10,6 +10,7 @@
 
 #include "tools/diagnose/search/second_look.hpp"
 #include "tools/diagnose/search/suggested_functions.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -36,7 +37,7 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
   };
   state("q", [](const Series& s, std::size_t i) { return s.states[i].q; });
   if (data.isStatic()) {
-    // What changed from posture to posture and is not in the recording.
+    // A variable that changed from posture to posture and is not in the recording.
     all.push_back({.name = "order",
                    .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
                    .factor = {}});
@@ -132,7 +133,7 @@ Atoms functionAtoms(const Dataset& data, const ModelFit& fit, std::span<const in
   return std::move(atoms).finished();
 }
 
-// What may take up what it can beside the fitted parameters: a constant on every joint, whose name is known
+// Free terms beside the fitted parameters: a constant on every joint, whose name is known
 // where there is one; and slow accelerations. A person's push moves the leg, so a residual always goes with
 // them to some degree; and that is straight proportion, which the inertias mostly take up.
 Eigen::MatrixXd nuisance(const Dataset& data) {
@@ -152,23 +153,18 @@ Eigen::MatrixXd nuisance(const Dataset& data) {
 
 // Larger for what is less likely by chance.
 double surprise(double gain, int dimensions) {
-  if (dimensions == 0 || gain <= 0.0) {
+  if (dimensions == 0 || !(gain > 0.0)) {
     return 0.0;
+  }
+  if (!std::isfinite(gain)) {
+    // A fit that leaves nothing: chance would have brought nothing either.
+    return gain;
   }
   // Beyond this the tail has no digits left; the gain still orders.
   constexpr double kLeast = 1e-280;
   const double tail = boost::math::cdf(boost::math::complement(boost::math::chi_squared(dimensions), gain));
   return tail > kLeast ? -std::log(tail) : -std::log(kLeast) + gain;
 }
-
-/// A p by the noise of the fit up to which it pays to look again.
-constexpr double kWorthASecondLook = 0.1;
-/// Whoever looks twice has two chances to be wrong: the second gets half as much room.
-constexpr double kLevelOfSecondLook = 0.5;
-
-/// Share of the level that functions which swing with time get: there are many of them, and a person's pushes
-/// come and go, too.
-constexpr double kShareOfSwings = 0.3;
 
 class Tester {
  public:
@@ -194,10 +190,10 @@ class Tester {
         add(atoms.items[screened.atom], screened, p_value);
       }
     }
-    if (ranked_.empty() && least_p < kWorthASecondLook) {
+    if (ranked_.empty() && least_p < unknown::kWorthASecondLook) {
       const SecondLook again =
           lookAgain(data_, fit_, atoms, nuisance_, screening, surprise, replicates_, seed_ + 1);
-      if (again.p_value < kLevelOfSecondLook * family_wise_p) {
+      if (again.p_value < unknown::kLevelOfSecondLook * family_wise_p) {
         add(atoms.items[again.screened.atom], again.screened, again.p_value);
       }
     }
@@ -243,8 +239,8 @@ std::vector<Dependence> testDependence(const Dataset& data, const ModelFit& fit,
                                        std::span<const int> channels, int replicates, double family_wise_p,
                                        std::uint64_t seed) {
   Tester tester(data, fit, replicates, seed);
-  tester.test(functionAtoms(data, fit, channels), (1.0 - kShareOfSwings) * family_wise_p);
-  tester.test(changingStiffness(data, fit), kShareOfSwings * family_wise_p);
+  tester.test(functionAtoms(data, fit, channels), (1.0 - unknown::kShareOfSwings) * family_wise_p);
+  tester.test(changingStiffness(data, fit), unknown::kShareOfSwings * family_wise_p);
   return std::move(tester).result();
 }
 

@@ -1,4 +1,4 @@
-// What a diagnosis says of its effects beyond their parameters, and of itself.
+// Statements of a diagnosis about its effects beyond their parameters, and about itself.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace patella::diagnose {
 
-/// What completes "possibly: " for an effect that is not asserted.
+/// Text after "possibly: " for an effect that is not asserted.
 inline constexpr const char* kOutweighedWords = "it explains less than what nothing explains";
 
 /// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what

@@ -11,6 +11,7 @@
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 #include "tools/diagnose/verdict/runaways.hpp"
 #include "tools/diagnose/verdict/unknown_rest.hpp"
@@ -38,7 +39,8 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     }
     for (const FreeFunction& function : free) {
       if (function.holds(t)) {
-        effects.back().indistinguishable_from.push_back("any function of " + function.dependence.variable);
+        effects.back().not_asserted_because =
+            "any function of " + function.dependence.variable + " explains as much";
       }
     }
   }
@@ -48,7 +50,7 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
 bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
   const double own = 0.5 * std::pow(tremor.parameters.front().value, 2);
   const double rest = left_Nm * left_Nm - noise_Nm * noise_Nm - own;
-  return own < kOverRest * kOverRest * rest;
+  return own < asserted::kOverRest * asserted::kOverRest * rest;
 }
 
 void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,
@@ -73,7 +75,7 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
   }
 }
 
-// What found effects explain includes what the declared ones did that they replaced.
+// The share of found effects includes that of the declared ones that they replaced.
 Eigen::VectorXd missingTorque(MissingEffects& found) {
   Eigen::VectorXd residual = found.nominal.residual;
   for (const Term& term : found.selection.fit.terms) {
@@ -123,10 +125,10 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   }
   if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(),
                    [](const EffectFinding& effect) { return effect.asserted(); })) {
-    diagnosis.doubts.push_back(
-        {Doubt::kOutweighed,
-         "What was found explains less than what nothing explains, or is of unknown size, so that it may be a "
-         "part of something else that is missing."});
+    diagnosis.doubts.push_back({Doubt::kOutweighed,
+                                "What was found explains less than what nothing explains, or is of unknown "
+                                "size, so that it may be a "
+                                "part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);

@@ -13,7 +13,8 @@
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
-#include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/search/candidate.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
-/// What is commonly missing: these come first.
+/// Effects that are commonly missing: these come first.
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 
@@ -100,13 +101,16 @@ double smallestTorque_Nm(const Detectable& shape, double threshold, double noise
   if (!(shape.own_share > 0.0) || !std::isfinite(shape.in_noise)) {
     return kNever;
   }
-  const double above_chance = shape.in_noise * (1.0 + kFourInFive / std::sqrt(threshold)) * noise_Nm;
-  return std::max(above_chance, kOverRest * structure_Nm / shape.own_share);
+  const double above_chance = shape.in_noise * (1.0 + shown::kFourInFive / std::sqrt(threshold)) * noise_Nm;
+  const double above_rest =
+      (asserted::kOverRest + shown::kFourInFive / std::sqrt(asserted::kLooks)) * structure_Nm;
+  return std::max(above_chance, above_rest / shape.own_share);
 }
 
-std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  double threshold) {
+  const Dataset& data = fitter.data();
   const Detector detector(data, fit, threshold);
   std::map<std::string, std::vector<const Atom*>> by_label;
   for (const Atom& atom : atoms.items) {
@@ -116,6 +120,9 @@ std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const
   }
   std::vector<Revealed> all;
   for (const auto& [label, points] : by_label) {
+    if (givenByOthers(fitter, fit, *points.front())) {
+      continue;
+    }
     const int joint = points.front()->joint;
     const RestOfJoint& rest = rests[static_cast<std::size_t>(joint)];
     const double noise_Nm = jointRms(data, fit.residual, joint);

@@ -9,7 +9,7 @@
 
 namespace patella::study {
 
-/// What may be wrong with the rigid body of the preset `physical`; friction of both joints may be besides.
+/// Parameters of the preset `physical` that may be wrong; friction of both joints may be, too.
 enum class AdaptedBody : std::uint8_t {
   kShank,  ///< one number: by which share the shank's mass and inertia are larger
   kWhole,  ///< five: by which share each base parameter is larger

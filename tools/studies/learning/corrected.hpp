@@ -24,7 +24,7 @@ struct ObservedRun {
   train::Rows shank_Nm;  ///< joint torques that ShankShare explains
 };
 
-/// What something learns from and sees.
+/// Inputs and targets of a learner.
 struct Inputs {
   train::PreparationOptions preparation;
   bool shank_share = false;  ///< besides its features: what ShankShare explains, joint by joint

@@ -1,4 +1,4 @@
-// What a Kalman filter that knows rates says of the near future.
+// Forecast of a Kalman filter that estimates rates.
 #pragma once
 
 #include "tools/studies/learning/corrected.hpp"

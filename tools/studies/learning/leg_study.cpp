@@ -20,7 +20,7 @@ constexpr std::uint64_t kSeedSpan = 10000;
 constexpr std::uint64_t kValidationFrom = 3000;
 constexpr std::uint64_t kTestFrom = 6000;
 
-/// What is compared in one condition, tuned.
+/// The contenders of one condition, tuned.
 struct Contenders {
   Tuned observer;  ///< of all causal ones
   Tuned filter;    ///< of the Kalman filters of constant rate; forecasts

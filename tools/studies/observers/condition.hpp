@@ -1,4 +1,4 @@
-// What the observers are measured on: motions with known truth, as a rig with a given noise would record
+// Conditions for measuring observers: motions with known truth, as a rig with a given noise would record
 // them.
 #pragma once
 

@@ -5,14 +5,13 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/palette.hpp"
 #include "tools/studies/observers/study.hpp"
 
 namespace patella::study {
 namespace {
 
-constexpr const char* kBlue = "#0072B2";
-constexpr const char* kOrange = "#D55E00";
-constexpr const char* kGrey = "#999999";
+using namespace report::colour;
 
 const char* kindName(Method::Kind kind) {
   switch (kind) {
@@ -111,7 +110,7 @@ void draw(const std::vector<Result>& results, const std::filesystem::path& path)
                              .from = 0.0,
                              .to = r.error[0].mean,
                              .colour = r.method->kind == Method::Kind::kCausal ? kBlue : kGrey});
-      figure.row_marks.push_back({.row = row, .at = r.error[1].mean, .colour = kOrange});
+      figure.row_marks.push_back({.row = row, .at = r.error[1].mean, .colour = kRed});
       largest = std::max({largest, r.error[0].mean, r.error[1].mean});
     }
     if (figure.rows.empty()) {

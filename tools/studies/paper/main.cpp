@@ -14,6 +14,7 @@
 namespace {
 
 using namespace patella::study;
+namespace sim = patella::sim;
 namespace train = patella::train;
 
 constexpr const char* kDescription =

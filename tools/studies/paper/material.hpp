@@ -1,4 +1,4 @@
-// What the paper's network learns from in one experiment, with the truth beside it.
+// Training data of the paper's network in one experiment, with the truth beside them.
 #pragma once
 
 #include <span>

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/palette.hpp"
 #include "tools/studies/paper/network_case.hpp"
 #include "tools/train/score.hpp"
 
@@ -15,12 +16,12 @@ namespace {
 
 using report::Figure;
 using report::Series;
+using report::colour::kBlue;
 
 constexpr std::uint64_t kDrawnSeed = 1;
-constexpr const char* kTruth = "#222222";
-constexpr const char* kNetwork = "#D55E00";
-constexpr const char* kObserver = "#56B4E9";
-constexpr const char* kBlue = "#0072B2";
+constexpr const char* kTruth = report::colour::kBlack;
+constexpr const char* kNetwork = report::colour::kRed;
+constexpr const char* kObserver = report::colour::kSky;
 constexpr double kZoomFrom_s = 20.0;
 constexpr double kZoomTo_s = 24.0;
 
@@ -32,7 +33,7 @@ std::string axisOf(const Condition& condition, int joint) {
   return fmt::format("{}{} / {}", condition.corrected ? "d" : "f_u", joint + 1, unitOf(condition));
 }
 
-/// What a network says of a motion, beside the truth; untested steps are gaps.
+/// A network's estimate of a motion, beside the truth; untested steps are gaps.
 struct Drawn {
   std::string title;
   std::vector<double> time_s;

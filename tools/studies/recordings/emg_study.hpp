@@ -35,7 +35,7 @@ struct EmgStudy {
   std::vector<Onset> onsets;
 };
 
-/// What EMG boxes call calibration, from the recording itself: each channel's rest is the 10th percentile of
+/// Calibration of EMG, from the recording itself: each channel's rest is the 10th percentile of
 /// its envelope; full effort is the 98th percentile of the strongest channel, for all alike, so that a silent
 /// muscle does not have its noise turned into torque.
 void calibrate(emg::EmgSettings& settings, const app::CsvTable& recording);

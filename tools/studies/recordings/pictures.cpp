@@ -5,19 +5,16 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/palette.hpp"
 #include "tools/studies/recordings/tables.hpp"
 
 namespace patella::study {
 
 using namespace offline;
+using namespace report::colour;
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr const char* kBlue = "#0072B2";
-constexpr const char* kOrange = "#D55E00";
-constexpr const char* kGrey = "#999999";
-constexpr const char* kEmgFirst = "#BFE3C6";
-constexpr const char* kMotionFirst = "#F6C9C0";
 constexpr std::size_t kEveryTenth = 10;
 
 /// Every stride-th sample over its time, in other units.
@@ -42,7 +39,7 @@ report::Figure emgFigure(const EmgStudy& study) {
   figure.x_range = {0.0, static_cast<double>(study.knee_rad.size()) / study.rate_Hz};
   figure.series.push_back(curve("torque from EMG", kBlue, study.torque_Nm, study.rate_Hz, kEveryTenth, 1.0));
   figure.series.push_back(
-      curve("knee, recorded", kOrange, study.knee_rad, study.rate_Hz, kEveryTenth, kDegrees));
+      curve("knee, recorded", kRed, study.knee_rad, study.rate_Hz, kEveryTenth, kDegrees));
   // The leg of the model is straight at 0; goniometers are not zeroed alike.
   figure.series.push_back(
       curve("knee, simulated", kGrey, study.simulated_knee_rad, study.rate_Hz, kEveryTenth, kDegrees));
@@ -51,7 +48,7 @@ report::Figure emgFigure(const EmgStudy& study) {
   for (const Onset& onset : study.onsets) {
     figure.shades.push_back({.from = std::min(onset.emg_s, onset.motion_s),
                              .to = std::max(onset.emg_s, onset.motion_s),
-                             .colour = onset.lead_s() > 0.0 ? kEmgFirst : kMotionFirst});
+                             .colour = onset.lead_s() > 0.0 ? kPaleGreen : kFaultShade});
   }
   return figure;
 }
@@ -66,7 +63,7 @@ report::Figure torqueFigure(const PendulumStudy& study, std::size_t joint) {
   figure.x_range = {study.time_s.front(), study.time_s.back()};
   const Samples rest = difference(c.aligned_Nm, c.offline_Nm);
   for (const auto& [label, colour, signal] :
-       {std::tuple{"difference", kGrey, &rest}, std::tuple{"offline", kOrange, &c.offline_Nm},
+       {std::tuple{"difference", kGrey, &rest}, std::tuple{"offline", kRed, &c.offline_Nm},
         std::tuple{"loop", kBlue, &c.aligned_Nm}}) {
     figure.series.push_back(curve(label, colour, *signal, study.rate_Hz, 1, 1.0, study.time_s.front()));
   }
@@ -80,7 +77,7 @@ report::Figure rateFigure(const PendulumStudy& study, std::size_t joint) {
   figure.x_label = "rate / rad/s";
   figure.y_label = "d / N·m";
   for (const auto& [label, colour, signal] :
-       {std::tuple{"offline", kOrange, &c.offline_Nm}, std::tuple{"loop", kBlue, &c.aligned_Nm}}) {
+       {std::tuple{"offline", kRed, &c.offline_Nm}, std::tuple{"loop", kBlue, &c.aligned_Nm}}) {
     report::Series series{.label = label, .colour = colour, .x = c.rate_rad_s, .y = *signal, .width = 0.7};
     figure.series.push_back(std::move(series));
   }

@@ -1,38 +1,20 @@
 // A folder for one test case's files, removed with everything in it.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <set>
-#include <stdexcept>
 #include <string>
+
+#include "drivers/files/temporary_folder.hpp"
 
 namespace patella::test {
 
-class ScratchFolder {
+class ScratchFolder : public files::TemporaryFolder {
  public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "patella-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error(name + ": cannot be created");
-    }
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
   std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path()), {}));
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// Paths of everything below a folder, from it.
