@@ -194,6 +194,8 @@ std::vector<WordKey> wordKeys() {
       {"Run: loop, real time, bus, network, GPIO", "weights", "path", "no network", "weights of the network; `--weights` wins"},
       {"Run: loop, real time, bus, network, GPIO", "loop.clock", "`monotonic`, `virtual`", "`monotonic`", "wall time, or time that passes as fast as it is computed; `--clock` wins"},
       {"Run: loop, real time, bus, network, GPIO", "loop.rehearsal", "`true`, `false`", "`false`", "longer times for hosts that cannot keep a rig's"},
+      {"Run: loop, real time, bus, network, GPIO", "recorder.mcap", "`true`, `false`", "`false`", "a run.mcap beside the other files of the recording"},
+      {"Run: loop, real time, bus, network, GPIO", "recorder.live", "`true`, `false`", "`true`", "the newest messages in shared memory, for patella view"},
       {"Run: loop, real time, bus, network, GPIO", "realtime.lock_memory", "`true`, `false`", "`true`", "mlockall(2), present and future pages"},
       {"Run: loop, real time, bus, network, GPIO", "bus.backend", "`sim`, `can:INTERFACE`, `replay:LOG`", "`sim`", "where frames come from; `--backend` wins"},
       {"Run: loop, real time, bus, network, GPIO", "bus.map", "path", kRequired, "bus map"},

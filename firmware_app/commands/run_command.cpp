@@ -254,7 +254,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                      .heading = heading(files),
                      .min_free_bytes = config.min_free_bytes,
                      .lossless = config.clock == ClockKind::kVirtual,
-                     .mcap = config.record_mcap ? std::optional(mcapInputs(files)) : std::nullopt});
+                     .mcap = config.record_mcap ? std::optional(mcapInputs(files)) : std::nullopt,
+                     .live = config.record_live});
   sim::DisturbedClock loop_clock(*clock, config.faults);
   sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
   const bool disturbed = !config.faults.empty();

@@ -20,6 +20,7 @@
 #include "core/safety/warning.hpp"
 #include "drivers/can/candump_log.hpp"
 #include "drivers/signal_stack.hpp"
+#include "firmware_app/live/live_run.hpp"
 
 namespace patella::app {
 namespace {
@@ -126,6 +127,13 @@ class Recorder::Files {
           [this](std::string_view bytes) { mcap_file_->write(bytes.data(), bytes.size()); },
           "patella " PATELLA_VERSION, namesOf(columns_), *options.mcap);
     }
+    if (options.live) {
+      try {
+        live_ = std::make_unique<live::LiveRun>(options.folder, namesOf(columns_));
+      } catch (const std::runtime_error& error) {
+        spdlog::warn("nobody can watch this run: {}", error.what());
+      }
+    }
     line_.reserve(kLineCapacity);
     for (const TickColumn& column : columns_) {
       line_ += line_.empty() ? "" : ",";
@@ -139,10 +147,12 @@ class Recorder::Files {
   void write(const can::Frame& frame) {
     const std::size_t length = can::formatLogLine(buffer_, frame, channel_);
     frames_.write(buffer_.data(), length);
-    intoMcap([&] {
-      const auto wall_ns = static_cast<std::uint64_t>(frame.wall_ns);
-      mcap_->frame(frame, channel_, {.wall_ns = wall_ns, .loop_ns = wall_ns});
-    });
+    const auto wall_ns = static_cast<std::uint64_t>(frame.wall_ns);
+    const formats::MessageTime time{.wall_ns = wall_ns, .loop_ns = wall_ns};
+    intoMcap([&] { mcap_->frame(frame, channel_, time); });
+    if (live_) {
+      live_->frame(frame, channel_, time);
+    }
   }
 
   void write(const TickRecord& record) {
@@ -159,6 +169,9 @@ class Recorder::Files {
     ticks_.write(line_.data(), line_.size());
     const formats::MessageTime time = timeOf(record);
     intoMcap([&] { mcap_->tick(row_, time); });
+    if (live_) {
+      live_->tick(row_, time);
+    }
     writeEvents(record, time);
   }
 
@@ -258,6 +271,9 @@ class Recorder::Files {
       line_ += " missed_periods=" + std::to_string(record.missed_periods);
     }
     intoMcap([&] { mcap_->event(line_, time); });
+    if (live_) {
+      live_->event(line_, time);
+    }
     line_ += '\n';
     events_.write(line_.data(), line_.size());
     last_state_ = record.state;
@@ -273,6 +289,7 @@ class Recorder::Files {
   std::unique_ptr<OutputFile> mcap_file_;
   std::unique_ptr<formats::McapRun> mcap_;
   std::string mcap_error_;
+  std::unique_ptr<live::LiveRun> live_;
   std::optional<std::int64_t> loop_epoch_ns_;
   std::string line_;
   std::vector<double> row_;

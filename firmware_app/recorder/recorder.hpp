@@ -27,6 +27,8 @@ struct RecorderOptions {
   bool lossless = false;  ///< wait for the writer instead of dropping: only where no wall clock runs
   /// What run.mcap holds beside the recording; without it, there is no such file.
   std::optional<formats::RunInputs> mcap{};
+  bool live = false;  ///< the newest messages in shared memory, for viewers; left out with a warning where it
+                      ///< cannot be
 };
 
 class Recorder {

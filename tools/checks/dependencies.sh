@@ -56,12 +56,12 @@ rooms() {
 # In the way that a recording goes, the thresholds of all of it first.
 rooms tools/diagnose thresholds.hpp result regression effects fit checks search verdict output
 # The loop tells a sink what it did and knows nobody who keeps account.
-rooms firmware_app files formats weights realtime loop configuration recorder commands
+rooms firmware_app files formats live weights realtime loop configuration recorder commands
 # Only benchmarks and studies run the loop.
 for tool in tools/*/; do
   case $tool in
     tools/bench/ | tools/studies/) ;;
-    *) may_include "${tool%/}" firmware_app "files|formats|weights|configuration" ;;
+    *) may_include "${tool%/}" firmware_app "files|formats|live|weights|configuration" ;;
   esac
 done
 
