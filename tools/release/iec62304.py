@@ -19,17 +19,20 @@ PURPOSES = {
     "cli11": "command lines of the programs",
     "cmake": "build and packaging",
     "dpkg": "makes the Debian package",
+    "edflib": "EMG and motion as BDF+, in the converter",
     "eigen3": "vectors and matrices of every tick",
     "fmtlib": "text of messages and files, outside the loop thread",
     "gcc": "compiler, C++ standard library and its run time",
     "glibc": "C library: files, threads, clocks, sockets",
     "libgpiod": "emergency stop, drive enable and heartbeat lines",
     "libmd": "SHA-256 of weights and of a run's inputs",
+    "libzstd": "compression of MCAP recordings, outside the loop thread",
     "linux": "the kernel's interface: SocketCAN, scheduling, memory locks",
     "ninja-build": "runs the build",
     "nlohmann-json3": "summary.json and the header of weights",
     "spdlog": "events, outside the loop thread",
     "tomlplusplus": "configuration, models and maps, before the loop starts",
+    "zlib": "CRC-32 of MCAP recordings, outside the loop thread",
 }
 KINDS = {"Library": "shared library", "Headers": "headers", "Tool": "build tool"}
 
