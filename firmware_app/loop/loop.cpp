@@ -53,7 +53,8 @@ Loop::Loop(const LoopOptions& options, Clock& clock, can::Bus& bus, gpio::Pins& 
       frames_(kFramesPerTick),
       statistics_(std::make_unique<LoopStatistics>()),
       lateness_(options),
-      send_failures_(options.send_failures_tolerated) {
+      send_failures_(options.send_failures_tolerated),
+      entry_(encoder.entries(), 1.0 / options.rate_Hz) {
   stop_.torque_Nm = JointVector::Zero(tick.joints());
   stop_.state = static_cast<std::uint8_t>(safety::State::kFault);
 }
@@ -106,7 +107,8 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
 
   drainBus(woken_ns);
   enter(probe_, Stage::kDecode);
-  const can::Reading reading = decoder_.finish(woken_ns);
+  can::Reading reading = decoder_.finish(woken_ns);
+  reading.faults = reading.faults | entry_.before(reading.measurement);
   enter(probe_, Stage::kLinesIn);
   const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
 
@@ -116,6 +118,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   input.complete = reading.complete;
   input.time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond);
   const tick::TickOutput& output = tick_.step(input);
+  entry_.after(output.state);
 
   const Command& sent = sendCommand(output.command, reading.measurement.encoder_monotonic_ns);
   heartbeat_ = !heartbeat_;
@@ -234,31 +237,70 @@ bool Loop::fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
 const Command& Loop::sendCommand(const Command& command,
                                  std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
   enter(probe_, Stage::kEncode);
+  sent_count_ = 0;
+  sent_wall_ns_ = 0;
   if (EmergencyExit::begun()) {
     return stop_;  // the handler of the signal that ends the process has the encoder, the bus and the line
   }
-  can::Frame frame = encoder_.encode(command);
+  encode(command);
   enter(probe_, Stage::kSend);
   if (EmergencyExit::begun()) {
     return stop_;
   }
   const bool allowed = !command.enable || fresh(measured_ns);
   if (!allowed) {
-    frame = encoder_.encode(stop_);
+    encode(stop_);
   }
-  const Command& sent = allowed ? command : stop_;
-  const bool gone = bus_.send(frame, clock_.now()) == can::SendResult::kSent;
+  const bool gone = sendAll();
   send_failures_.update(!gone, 1.0);
-  sent_wall_ns_ = gone ? frame.wall_ns : 0;
+  sent_wall_ns_ = gone && sent_count_ > 0 ? sent_[encoder_.size() - 1].wall_ns : 0;
   enter(probe_, Stage::kLinesOut);
-  // The enable line follows the command only when the drive could be told.
-  setLine(sent.enable && gone, measured_ns);
+  // The enable line follows the command only when every drive could be told.
+  setLine(allowed && command.enable && gone, measured_ns);
   enter(probe_, Stage::kRecord);
-  if (recorder_ != nullptr && gone) {
-    recorder_->frame(frame);
+  for (std::size_t i = 0; recorder_ != nullptr && i < sent_count_; ++i) {
+    recorder_->frame(sent_[i]);
   }
   enter(probe_, Stage::kLinesOut);
-  return sent;
+  return allowed && (gone || encoder_.size() == 1) ? command : stop_;
+}
+
+void Loop::encode(const Command& command) noexcept PATELLA_NONBLOCKING {
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    commands_[drive] = encoder_.encode(command, drive);
+  }
+}
+
+// One leg does not move on one drive: where one command is lost, the other drives get zero torque, those that
+// have this tick's command already included.
+bool Loop::sendAll() noexcept PATELLA_NONBLOCKING {
+  bool gone = true;
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    if (send(gone ? commands_[drive] : encoder_.encode(stop_, drive))) {
+      continue;
+    }
+    for (std::size_t told = 0; gone && told < drive; ++told) {
+      send(encoder_.encode(stop_, told));
+    }
+    gone = false;
+  }
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    for (const can::Frame& frame : encoder_.drive(drive).frames(entry_.frames(drive))) {
+      gone = send(frame) && gone;
+    }
+  }
+  return gone;
+}
+
+bool Loop::send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
+  if (EmergencyExit::begun() || sent_count_ == sent_.size()) {
+    return false;
+  }
+  can::Frame& stamped = sent_[sent_count_];
+  stamped = frame;
+  const bool gone = bus_.send(stamped, clock_.now()) == can::SendResult::kSent;
+  sent_count_ += gone ? 1U : 0U;
+  return gone;
 }
 
 // Raises the line once, and takes it down as often as it must be low: where the watchdog took it down, it
@@ -328,6 +370,8 @@ void Loop::record(const Measurement& measurement, const tick::TickOutput& output
   r.q_rad = toArray(measurement.position_rad);
   r.dq_rad_s = toArray(output.velocity_rad_s);
   r.drive_torque_Nm = toArray(measurement.drive_torque_Nm);
+  r.drive_temperature_degC = measurement.drive_temperature_degC;
+  r.drive_error = measurement.drive_error;
   r.emg_mV = measurement.emg_mV;
   r.activation = output.activation;
   r.reference_rad = toArray(output.reference.q);
@@ -357,10 +401,19 @@ void Loop::shutDown() noexcept {
   stop.state = static_cast<std::uint8_t>(safety::State::kInit);
   // Not while a signal handler sends its own: the counters of the two would meet.
   for (int i = 0; i < options_.shutdown_frames && !EmergencyExit::begun(); ++i) {
-    can::Frame frame = encoder_.encode(stop);
+    encode(stop);
     clock_.sleepUntil(clock_.now() + period_ns_);
-    if (bus_.send(frame, clock_.now()) == can::SendResult::kSent && recorder_ != nullptr) {
-      recorder_->frame(frame);
+    sent_count_ = 0;
+    for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+      send(commands_[drive]);
+    }
+    for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+      for (const can::Frame& frame : encoder_.drive(drive).frames(safety::DriveFrames::kLeave)) {
+        send(frame);
+      }
+    }
+    for (std::size_t k = 0; recorder_ != nullptr && k < sent_count_; ++k) {
+      recorder_->frame(sent_[k]);
     }
   }
 }

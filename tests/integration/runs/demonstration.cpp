@@ -63,7 +63,7 @@ app::LoopStatistics runInLockStep(const app::RunConfig& config, bool allocating)
   AllocatingBus allocating_bus(bus);
   gpio::SimulatedPins pins;
   can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
-  can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  can::CommandEncoder encoder(config.bus.database, config.bus.commands, config.model.joints());
   app::Loop loop(config.loop, clock, allocating ? static_cast<can::Bus&>(allocating_bus) : bus, pins, decoder,
                  encoder, *tick, nullptr);
   const std::atomic<bool> stop{false};
