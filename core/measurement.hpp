@@ -1,4 +1,4 @@
-// What a tick takes in and gives out: plain structs between drivers and core.
+// Input and output of a tick: plain structs between drivers and core.
 #pragma once
 
 #include <array>
@@ -58,7 +58,7 @@ struct Measurement {
   }
 };
 
-/// What goes to the drives.
+/// The command to the drives.
 struct Command {
   JointVector torque_Nm;
   bool enable = false;     ///< drives may apply torque

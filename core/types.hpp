@@ -26,7 +26,7 @@ using PerJoint = std::array<double, kMaxJoints>;
 /// EMG per channel, mV (raw) or dimensionless (activation).
 using EmgArray = std::array<double, kMaxEmgChannels>;
 
-/// What marks a function that runs in the loop: RealtimeSanitizer stops the program when anything called
+/// Marks a function that runs in the loop: RealtimeSanitizer stops the program when anything called
 /// from it allocates, locks or makes a blocking system call. Place after `noexcept`.
 #if defined(__clang__) && defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::nonblocking)

@@ -74,8 +74,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   addCommon(check, line);
   check.footer(
       "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
-  const CLI::App& bounds =
-      *app.add_subcommand("bounds", "Print what every number of every file may be, and why, as Markdown.");
+  const CLI::App& bounds = *app.add_subcommand(
+      "bounds", "Print every key of every file, with range, default and meaning, as Markdown.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

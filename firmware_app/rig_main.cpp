@@ -32,6 +32,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "Simulated rig on a CAN interface: sends encoder, drive, EMG and operator frames, obeys torque "
       "commands.",
       "patella-rig");
+  app.set_version_flag("--version", std::string("patella-rig ") + PATELLA_VERSION);
   patella::app::CommandLine line;
   std::string interface;
   patella::sim::RigRunOptions options;

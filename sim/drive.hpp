@@ -23,7 +23,7 @@ enum class DriveFault : std::uint8_t {
   kWatchdog = 1,  ///< no valid command within the watchdog time
 };
 
-/// What faults leave of a drive's torque: gain · torque + extra, while the drive is enabled.
+/// A drive's torque under faults: gain · torque + extra, while the drive is enabled.
 struct DriveDisturbance {
   std::array<double, kMaxJoints> gain{1.0, 1.0};
   std::array<double, kMaxJoints> extra_Nm{};
@@ -45,7 +45,7 @@ class Drive {
   /// Moves the torque loop by dt.
   void advance(double dt_s) noexcept PATELLA_NONBLOCKING;
 
-  /// What a defect makes of the torque from here on.
+  /// Changes the torque from here on, as a defect does.
   void disturb(const DriveDisturbance& disturbance) noexcept PATELLA_NONBLOCKING;
   /// Switched off and on: without torque, faults or a command to watch.
   void restart() noexcept PATELLA_NONBLOCKING;

@@ -127,7 +127,7 @@ bool FaultInjector::hold(const can::Frame& frame, FrameChannel channel) noexcept
 
 void FaultInjector::encoder(int joint, double& position_rad,
                             double& velocity_rad_s) noexcept PATELLA_NONBLOCKING {
-  // What has no effect on a position that is frozen already has none yet.
+  // A fault of a position that is frozen already has no effect yet.
   auto& frozen = frozen_[static_cast<std::size_t>(joint)];
   const FaultEvent* const freeze = find(FaultKind::kEncoderFreeze, joint);
   const bool hidden = freeze != nullptr && frozen;

@@ -1,5 +1,5 @@
-// What goes wrong, when and where: the script of faults that the rig, and the loop's clock and lines, act
-// out.
+// The script of faults, with kind, time and place: the rig, and the loop's clock and lines, act
+// it out.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +58,7 @@ inline constexpr int kScriptedKindCount = static_cast<int>(FaultKind::kMemoryPre
 /// snake_case name, as scripts have it.
 std::string_view faultKindName(FaultKind kind) noexcept;
 
-/// What a script's `channel` may be for a kind.
+/// Kinds of channels that a fault may name.
 enum class ChannelGroup : std::uint8_t {
   kNone,    ///< the kind has no channel
   kFrames,  ///< one message, or all

@@ -39,7 +39,7 @@ struct EffectOptions {
   std::vector<double> parameters;
 };
 
-/// What the person at the rig does.
+/// Actions of the person at the rig.
 struct OperatorOptions {
   double enable_at_s = 0.0;        ///< enable level rises; infinity: never
   std::vector<double> reset_at_s;  ///< starts of presses of the reset button, 0.1 s each

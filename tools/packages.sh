@@ -8,9 +8,10 @@ build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificate
   libfftw3-dev libmatio-dev)
 # libtorch multiplies with whatever BLAS is there; the one that it brings along takes three times as long, and of OpenBLAS only
 # this kind keeps to the number of threads that libtorch is told.
-test_packages=(can-utils chromium clang-format clang-tidy debootstrap iproute2 libopenblas0-openmp libtorch-dev python3 python3-torch)
+test_packages=(can-utils chromium clang-format clang-tidy debootstrap doxygen iproute2 libopenblas0-openmp libtorch-dev minisign python3
+  python3-torch)
 # Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
-optional_test_packages=(clang-22 libclang-rt-22-dev)
+optional_test_packages=(clang-22 clang-tidy-22 libclang-rt-22-dev)
 
 # The cross compiler brings its own C library; crossbuild-essential would upgrade and remove packages of the host.
 cross_compiler=g++-aarch64-linux-gnu

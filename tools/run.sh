@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs what is needed, builds, and shows the loop at work: twelve seconds at 1 kHz against the in-process rig, a
-# picture of the run, its log played back, two equal runs in virtual time, and the closed circle: a recording, the
-# diagnosis of what the loop's model lacks, and the loop again with what was found, on another motion.
+# Installs what is needed, builds the loop and shows it at work: twelve seconds at 1 kHz against the in-process rig. Then
+# builds the rest and shows a picture of the run, its log played back, two equal runs in virtual time, and the closed
+# circle: a recording, the diagnosis of what the loop's model lacks, and the loop again with what was found, on another
+# motion.
 #
 #   tools/run.sh [--config FILE] [--out DIR]
 set -euo pipefail
@@ -23,11 +24,30 @@ done
 tools/setup.sh
 mkdir -p build
 cmake --preset release >build/configure.log || { cat build/configure.log; exit 1; }
-cmake --build --preset release --target patella patella-rig patella-report patella-diagnose
 
 bin=build/release
 headline() { printf '\n== %s\n' "$*"; }
 
+# On a terminal, what Ninja says; elsewhere a line for every tenth of the work, and every line that is not progress.
+progress() {
+  awk '!match($0, /^\[[0-9]+\/[0-9]+/) { print; fflush(); next }
+    { split(substr($0, 2, RLENGTH - 1), step, "/"); tenth = int(10 * step[1] / step[2])
+      if (tenth != last) { print; fflush(); last = tenth } }'
+}
+# Builds programs: build WHAT_FOR PROGRAM...
+build() {
+  headline "building $1"
+  shift
+  local -x NINJA_STATUS='[%f/%t, %e s] '
+  if [ -t 1 ]; then
+    cmake --build --preset release --target "$@"
+  else
+    cmake --build --preset release --target "$@" | progress
+  fi
+}
+
+# The loop first, so that there is something to see; the rest waits until the run in wall-clock time is over.
+build "the loop" patella
 headline "1 kHz in wall-clock time against the in-process rig"
 # A machine that takes the processor away for more than 5 ms makes the loop stop, as it must: encoder_stale, overrun. Such
 # machines are many, and a second or third run mostly shows the rest.
@@ -46,6 +66,8 @@ if [ "$status" = 3 ]; then
   $bin/firmware_app/patella run --config "$config" --clock virtual --out "$out/live" || status=$?
 fi
 [ "$status" = 0 ] || exit "$status"
+
+build "the report and the rig" patella-report patella-rig
 $bin/tools/report/patella-report "$out/live" --png "$out/live/report.png"
 
 headline "the same log played back"
@@ -59,8 +81,9 @@ done
 diff -r "$out/virtual-a" "$out/virtual-b"
 echo "all files of $out/virtual-a and $out/virtual-b are identical"
 
+build "the diagnosis" patella-diagnose
 headline "what the model lacks, found in 40 s of motion and given to the loop, which then moves otherwise"
-tools/bench/circle/circle.sh --bin "$bin" --out "$out/circle" firmware_app/config/models/adult_rubbing.toml
+tools/studies/circle/circle.sh --bin "$bin" --out "$out/circle" firmware_app/config/models/adult_rubbing.toml
 
 printf '\nPicture of the run: %s\n' "$out/live/report.html"
 printf 'Diagnosis:          %s\n' "$out/circle/adult_rubbing/diagnosis/report.html"

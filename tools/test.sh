@@ -4,6 +4,7 @@
 #   tools/test.sh            style, unit and integration tests, User-mode Linux, the emulated board, all sanitizers, lint
 #   tools/test.sh --quick    the release build's fast tests, for use while working
 #   tools/test.sh --package  only the Debian package, of this machine and of arm64: build; install, run, remove and purge
+#   tools/test.sh --release  only the release of what is committed: made twice, in two places, the same bytes
 #   tools/test.sh --board    only the emulated board (docs/board.md), and every unit test under emulation of arm64
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,13 +12,15 @@ cd "$(dirname "$0")/.."
 quick=false
 board=false
 package=false
+release=false
 case "${1:-}" in
   "") ;;
   --quick) quick=true ;;
   --board) board=true ;;
   --package) package=true ;;
+  --release) release=true ;;
   *)
-    echo "tools/test.sh: unknown argument '$1', expected --quick, --board, --package or nothing" >&2
+    echo "tools/test.sh: unknown argument '$1', expected --quick, --board, --package, --release or nothing" >&2
     exit 2
     ;;
 esac
@@ -101,6 +104,29 @@ if $package; then
   exit 0
 fi
 
+if $release; then
+  tools/setup.sh --test
+  architectures=(--architecture "$(dpkg --print-architecture)")
+  cross=0
+  tools/setup.sh --cross || cross=$?
+  if [ "$cross" -eq 77 ]; then
+    skip "the release for arm64: its packages cannot be had here (tools/setup.sh --cross)"
+  elif [ "$cross" -ne 0 ]; then
+    exit "$cross"
+  else
+    architectures+=(--architecture arm64)
+  fi
+  # The second one is compiled anew: a compiler's cache would give what it gave the first.
+  for time in first second; do
+    headline "release: the $time time"
+    [ "$time" = first ] || export CCACHE_DISABLE=1
+    tools/release.sh --out "build/release-$time" "${architectures[@]}"
+  done
+  diff -r build/release-first build/release-second
+  echo "both releases are the same to the last byte"
+  exit 0
+fi
+
 tools/setup.sh --test
 
 build release all
@@ -113,6 +139,8 @@ headline "style"
 tools/checks/dependencies.sh
 tools/checks/bounds.sh
 tools/checks/format.sh
+headline "documentation of the API"
+tools/checks/api.sh
 headline "tests: release"
 ctest --preset release -j "$(nproc)" -LE uml
 ctest --preset release "${again[@]}" -L uml

@@ -1,4 +1,4 @@
-// What a number that a person writes may be, and why: one row of the tables in this folder.
+// The range of a number that a person writes, with its reason: one row of the tables in this folder.
 #pragma once
 
 #include <string_view>
@@ -14,7 +14,7 @@ struct Bound {
   std::string_view reason;
   bool whole = false;         ///< a whole number
   bool of_magnitude = false;  ///< the range is that of the absolute value
-  /// What replaces the maximum in a rehearsal, which moves no motor (loop.rehearsal).
+  /// The maximum in a rehearsal, which moves no motor (loop.rehearsal).
   double rehearsal_maximum = maximum;
 
   /// The last part of the name, as a table holds it.

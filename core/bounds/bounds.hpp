@@ -1,4 +1,4 @@
-// What every number may be that a person writes for loop and rig: the tables, and how their rows are used.
+// The ranges of all numbers that a person writes for loop and rig: the tables, and how rows are used.
 #pragma once
 
 #include <array>

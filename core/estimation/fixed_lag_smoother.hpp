@@ -1,4 +1,4 @@
-// What the unknown dynamics were a fixed time ago, in the light of what has been measured since.
+// The unknown dynamics of a fixed time ago, estimated with what has been measured since.
 #pragma once
 
 #include <vector>

@@ -18,7 +18,7 @@ constexpr double kDerivedVelocity_rad_s =
     1.0;  // how far a velocity that was not measured may be off at the start
 constexpr double kSmallestTurn_rad = 1e-4;  // of the differences
 constexpr double kSmallestSpeed_rad_s = 1e-3;
-// What changes ddq by more than this over a step, friction near standstill, is beyond a linear step.
+// A linear step holds up to this change of ddq; friction near standstill exceeds it.
 constexpr double kLargestSlopeStep = 0.5;
 
 KalmanLayout layoutOf(const KalmanSettings& settings, int joints) {
@@ -181,7 +181,7 @@ void KalmanObserver::addProcessNoise(const ObserverInput& input) noexcept {
   }
 }
 
-// What no measurement shows would drift for ever, as would its uncertainty. Where the latter exceeds its
+// A state that no measurement shows would drift for ever, as would its uncertainty. Where that exceeds its
 // bound, the bound is taken for a measurement: nought, with the noise that brings the variance back to the
 // bound.
 void KalmanObserver::boundUnseen() noexcept {

@@ -33,7 +33,7 @@ class KalmanObserver final : public Observer {
   /// joints x states:  f_u = map · state, at the newest state.
   const KalmanMap& map() const noexcept { return map_; }
 
-  /// What the newest update() went through, for smoothers: the step to the sample, the state and covariance
+  /// Steps of the newest update(), for smoothers: the step to the sample, the state and covariance
   /// before its measurements, and these.
   const KalmanTransition& transition() const noexcept { return transition_; }
   const KalmanVector& predictedState() const noexcept { return predicted_state_; }

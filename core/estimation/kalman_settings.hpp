@@ -1,4 +1,4 @@
-// What a Kalman filter of the unknown dynamics is told of noise and of what it looks for.
+// Settings of a Kalman filter of the unknown dynamics: its noise, and the disturbance that it looks for.
 #pragma once
 
 #include <array>

@@ -23,7 +23,7 @@ struct ObserverInput {
   double time_s = 0.0;    ///< likewise
 };
 
-/// What the model does not know, in its two faces.
+/// The unknown dynamics, as acceleration and as torque.
 struct UnknownDynamics {
   JointVector f_u;   ///< rad/s²
   JointVector d_Nm;  ///< as joint torque, I(q) f_u

@@ -1,4 +1,4 @@
-// What the model knows of the step between two samples: the part that every observer shares.
+// The model's mean over the step between two samples: the part that every observer shares.
 #pragma once
 
 #include "core/estimation/observer.hpp"

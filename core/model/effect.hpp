@@ -11,7 +11,7 @@
 
 namespace patella::model {
 
-/// What an effect may look at. All vectors have the mechanism's number of joints.
+/// Inputs of an effect. All vectors have the mechanism's number of joints.
 struct EffectInput {
   JointVector q;          ///< rad
   JointVector dq;         ///< rad/s
@@ -34,7 +34,7 @@ struct EffectParameter {
   bool identified = true;  ///< false for a modelling choice that no recording determines: kept as given
 };
 
-/// What can be said of an effect without making one.
+/// Description of a kind of effect, without an instance.
 struct EffectDescriptor {
   std::string_view kind;      ///< the name in model files
   std::string_view equation;  ///< plain text

@@ -18,7 +18,7 @@ namespace patella::network {
 /// `window` steps, (31) to (34) -> dense; beside them, where the weights have it, a linear function of
 /// features of now and of some while ago, added to the output within a bound. float32 or int16 inside, double
 /// at both ends; no heap after construction; the same inputs give the same bits, with every instruction set.
-/// What PyTorch computes with a causal mask over the whole sequence, this computes step by step. Movable, not
+/// Computes step by step what PyTorch computes with a causal mask over the whole sequence. Movable, not
 /// copyable.
 class AttentionLstm {
  public:
@@ -30,7 +30,7 @@ class AttentionLstm {
   /// Forgets the past, as when the loop is enabled anew.
   void reset() noexcept;
 
-  /// What depends only on the past. Call it when the command is on its way, so that step() has less to do;
+  /// Computes the part of the past alone. Call it after the command, so that step() has less to do;
   /// calling it twice, or not at all, changes nothing in the results.
   void prepare() noexcept PATELLA_NONBLOCKING;
 

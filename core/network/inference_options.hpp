@@ -19,7 +19,7 @@ enum class InstructionSet {
 /// "baseline", "avx2", "avx512".
 std::string nameOf(InstructionSet set);
 
-/// What this processor has, narrowest first; never empty.
+/// Instruction sets of this processor, narrowest first; never empty.
 std::vector<InstructionSet> availableInstructionSets();
 
 enum class Precision {

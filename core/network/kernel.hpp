@@ -18,7 +18,7 @@ inline constexpr int kUnits = kPanel / 4;
 inline constexpr int kHeadLanes = 8;
 /// Multiple of floats to which the attention's scratch is padded.
 inline constexpr int kWeightPadding = 2 * kPanel;
-/// What 1 is as a 16-bit activation. Signals of int16 products lie within [-1, 1].
+/// The number 1 as a 16-bit activation. Signals of int16 products lie within [-1, 1].
 inline constexpr int kInt16One = 1 << 14;
 /// Columns whose int16 products are summed in 32 bits before they join the total in float.
 inline constexpr int kInt16Block = 32;
@@ -51,7 +51,7 @@ struct HeadLayout {
   int query_rows;     ///< groups * head_channels * heads: numbers in a query or a key
 };
 
-/// What attend() works on.
+/// Operands of attend().
 struct AttentionView {
   HeadLayout layout;
   const float* newest;  ///< query (scaled), key, value of this step; each group, channel or output, head

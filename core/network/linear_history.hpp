@@ -1,4 +1,4 @@
-// What a network says that is linear in its features of now and of some while ago.
+// The linear path: the part of a network's output that is linear in its present and past features.
 #pragma once
 
 #include <vector>

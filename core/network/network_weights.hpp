@@ -28,13 +28,13 @@ struct LstmWeights {
   WeightVector bias_hh;    ///< 4H
 };
 
-/// What the scores of (32) are multiplied by before the softmax (33).
+/// Factor of the scores of (32) before the softmax (33).
 enum class AttentionScale {
   kInvSqrt,  ///< 1/sqrt(D / heads), PyTorch's
   kNone      ///< 1, as the paper prints it
 };
 
-/// What the outputs mean, one per joint.
+/// Meaning of the outputs, one per joint.
 enum class OutputKind {
   kAcceleration,            ///< f_u, rad/s²
   kTorque,                  ///< d = I f_u, N·m

@@ -17,7 +17,7 @@ void checkRange(const Eigen::MatrixXd& matrix) {
     throw std::invalid_argument("weights multiplied out exceed the range of float32");
 }
 
-/// What the weights of a row may be multiplied with; 0 for a row of zeros.
+/// Largest factor for the weights of a row; 0 for a row of zeros.
 double int16Scale(const Eigen::RowVectorXd& row) {
   constexpr double kLargestWeight = std::numeric_limits<std::int16_t>::max();
   // Rounding adds half a unit a weight at most.

@@ -25,7 +25,7 @@ struct SafetyLimits {
   double saturation_timeout_s = 0.2;  ///< demand above torque_Nm for longer raises Fault::kTorqueLimit
 };
 
-/// What was cut from a demand. Limits are ordinary life; faults (fault.hpp) stop the loop.
+/// Limits that cut a demand. They are ordinary life; faults (fault.hpp) stop the loop.
 enum class Limit : std::uint8_t {
   kTorque = 0,  ///< above torque_Nm
   kTorqueRate,  ///< faster than torque_rate_Nm_s

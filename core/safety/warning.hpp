@@ -1,4 +1,4 @@
-// What the operator should know although it stops nothing.
+// Conditions that the operator should know although they stop nothing.
 #pragma once
 
 #include <array>

@@ -60,7 +60,7 @@ class FrontEnd {
   const Estimates& estimates() const noexcept { return estimates_; }
   /// EMG's torque by the configured gains, N·m.
   JointVector emgTorque(const EmgArray& activation) const noexcept { return emg_torque_.torque(activation); }
-  /// What the observer was told of the newest sample.
+  /// The observer's input of the newest sample.
   estimation::ObserverInput observerInput() const noexcept;
   void features(FeatureVector& values) const noexcept PATELLA_NONBLOCKING;
 

@@ -1,4 +1,4 @@
-// What a tick is made of, for those who measure it.
+// The stages of a tick, for those who measure it.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ enum class Stage : std::uint8_t {
   kEncode,          ///< command to a frame
   kSend,            ///< last check, and frame to the bus
   kLinesOut,        ///< drive enable and heartbeat
-  kAccount,         ///< statistics of the run
-  kRecord,          ///< into the recorder's rings
+  kAccount,         ///< the tick into the statistics and the record of the run
+  kRecord,          ///< frames into the recorder's rings
   kNetworkPrepare,  ///< phase two: what the next tick can have ready
   kOutside,         ///< the tick has ended
   kCount

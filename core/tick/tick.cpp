@@ -131,7 +131,7 @@ void Tick::restart() noexcept {
   forget();
 }
 
-// What was estimated in this tick is given up.
+// Drops the estimates of this tick.
 void Tick::forget() noexcept {
   takeEstimates();
   output_.estimated = false;

@@ -91,7 +91,7 @@ class Tick {
   /// The result stays valid until the next call.
   const TickOutput& step(const TickInput& input) noexcept PATELLA_NONBLOCKING;
 
-  /// What the next step can have ready before its measurement arrives; to be called once the command is sent.
+  /// Prepares the next step before its measurement arrives; to be called once the command is sent.
   void prepareNext() noexcept PATELLA_NONBLOCKING;
 
   int joints() const noexcept { return front_.joints(); }

@@ -27,7 +27,7 @@ void checkBindings(const Database& database, const BusMap& map, std::span<const 
 /// The part of it that concerns commands alone.
 void checkCommands(const Database& database, std::span<const CommandMap> commands);
 
-/// What such a map allows, but a person had better know: messages that matter to safety without counter or
+/// Remarks on a map that is allowed: messages that matter to safety without counter or
 /// CRC (those of EMG where it assists), drives that do not report, signals whose unit nobody can compare.
 std::vector<std::string> bindingRemarks(const Database& database, const BusMap& map,
                                         std::span<const CommandMap> commands, bool emg_assists);

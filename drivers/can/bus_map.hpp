@@ -41,7 +41,7 @@ struct BusMap {
   double encoder_period_s = 0.001;
   double emg_period_s = 0.001;
 
-  /// What a position may be, and how far it may go in one sensor period.
+  /// Range of a position, and its farthest way in one sensor period.
   double position_min_rad = boundOf("checks.position_min_rad").minimum;
   double position_max_rad = boundOf("checks.position_max_rad").maximum;
   double position_jump_rad = boundOf("checks.position_jump_rad").maximum;

@@ -1,4 +1,4 @@
-// What a well-formed DBC file may still get wrong.
+// Errors that a well-formed DBC file may still have.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What the controller's error reports say of the bus. Layout: linux/can/error.h.
+// State of the bus from the controller's error reports. Layout: linux/can/error.h.
 #pragma once
 
 #include <cstdint>

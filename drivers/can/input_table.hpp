@@ -1,4 +1,4 @@
-// What signals can be bound to: the loop's inputs, with what each of them measures and which timeout it has.
+// The loop's inputs, to which signals are bound: what each of them measures, and its timeout.
 #pragma once
 
 #include <array>

@@ -16,7 +16,7 @@
 
 namespace patella::can {
 
-/// What guards a message against loss, repetition and corruption. An empty name means that it has none.
+/// Guards of a message against loss, repetition and corruption. An empty name means that it has none.
 struct Protection {
   std::string message;
   std::string counter_signal;  ///< unsigned, 1 to 16 bits

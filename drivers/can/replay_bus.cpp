@@ -89,7 +89,7 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
 }
 
 std::size_t ReplayBus::tickEnd() const noexcept {
-  // What follows the last command is one more tick.
+  // The frames after the last command are one more tick.
   return ticks_begun_ <= tick_end_.size() ? tick_end_[ticks_begun_ - 1] : frames_.size();
 }
 

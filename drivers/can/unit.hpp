@@ -7,7 +7,7 @@
 
 namespace patella::can {
 
-/// What a number measures. kNone is for flags and states; kOther for what the loop takes in no unit.
+/// Quantity of a number. kNone is for flags and states; kOther for inputs without a unit in the loop.
 enum class Dimension : std::uint8_t {
   kAngle,
   kRate,

@@ -10,7 +10,7 @@
 
 namespace patella::files {
 
-/// What a file is read as, and the most bytes that it may have for that.
+/// Kind of a file, and the most bytes that it may have.
 struct FileKind {
   const char* what;
   std::uint64_t most_bytes;

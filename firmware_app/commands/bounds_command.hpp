@@ -1,11 +1,12 @@
-// `patella bounds`: what every number of every file may be.
+// `patella bounds`: the reference of every key of every file.
 #pragma once
 
 #include <string>
 
 namespace patella::app {
 
-/// docs/configuration_bounds.md: the tables of core/bounds and the ranges of the effects, as Markdown.
+/// docs/configuration.md: the tables of core/bounds with meanings and defaults, and the effects' parameters,
+/// as Markdown.
 std::string boundsDocument();
 
 }  // namespace patella::app

@@ -28,6 +28,7 @@
 #include "firmware_app/realtime/host_stress.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
 #include "firmware_app/recorder/recorder.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/loop_faults.hpp"
@@ -162,7 +163,7 @@ std::unique_ptr<RealtimeSetup> runShowingProgress(Loop& loop, const RunConfig& c
   return setup;
 }
 
-// What the run is made of, for the first lines of the events.
+// Inputs of the run, for the first lines of the events.
 std::string heading(const std::vector<InputFile>& files) {
   std::string text;
   for (const InputFile& file : files) {
@@ -176,7 +177,7 @@ void warnOfWeights(const RunConfig& config) {
   if (config.weights && !config.weights_sealed) {
     spdlog::warn("{}", unsealedWarning(config.weights_path));
   }
-  // What compensates acts on the network's own inputs, and a linear path takes up what its recordings do not
+  // Compensation acts on the network's own inputs, and a linear path takes up what its recordings do not
   // show (docs/training.md, Linear path).
   if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
       config.tick.compensation == tick::CompensationSource::kNetwork) {
@@ -255,8 +256,15 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   sim::DisturbedClock loop_clock(*clock, config.faults);
   sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
   const bool disturbed = !config.faults.empty();
-  Loop loop(config.loop, disturbed ? loop_clock : *clock, *backend.bus, disturbed ? loop_pins : *pins,
-            decoder, encoder, *tick, &recorder);
+  RunAccount account({.warmup_ticks = config.warmup_ticks}, &recorder);
+  Loop loop({.options = config.loop,
+             .clock = disturbed ? loop_clock : *clock,
+             .bus = *backend.bus,
+             .pins = disturbed ? loop_pins : *pins,
+             .decoder = decoder,
+             .encoder = encoder,
+             .tick = *tick,
+             .sink = account});
   sim::StallProbe stalls(loop_clock);
   if (disturbed) {
     loop.probedBy(stalls);
@@ -292,12 +300,12 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   recorder.close();
 
   const bool wall_clock = config.clock == ClockKind::kMonotonic;
-  nlohmann::ordered_json summary = summarise(config, files, loop.statistics(), backend.bus->statistics(),
+  nlohmann::ordered_json summary = summarise(config, files, account.statistics(), backend.bus->statistics(),
                                              decoder, recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
     addReplay(summary, *backend.replay, config.backend.target);
   }
-  return conclude(summary, folder, recorder) ? statusOf(config, loop.statistics().final_state)
+  return conclude(summary, folder, recorder) ? statusOf(config, account.statistics().final_state)
                                              : RunStatus::kRecordingFailed;
 }
 

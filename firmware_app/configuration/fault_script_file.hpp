@@ -8,7 +8,7 @@
 
 namespace patella::app {
 
-/// Who acts the script out, and so which kinds it may hold.
+/// The program that acts the script out, and so the kinds that it may hold.
 enum class FaultStage {
   kInProcess,  ///< loop and rig in one process: everything
   kRig,        ///< the rig as a process of its own: all but what happens to the loop's host

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "firmware_app/files/bounded.hpp"
+#include "firmware_app/files/model_file.hpp"
 
 namespace patella::app {
 namespace {

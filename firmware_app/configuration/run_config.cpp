@@ -7,6 +7,7 @@
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
 #include "firmware_app/files/bounded.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 
@@ -25,7 +26,7 @@ void readLoop(const TomlTable& table, RunConfig& config) {
       table.choice("clock", std::vector<std::string>{"monotonic", "virtual"}, "monotonic") == "virtual"
           ? ClockKind::kVirtual
           : ClockKind::kMonotonic;
-  readInteger(table, boundOf("loop.warmup_ticks"), config.loop.warmup_ticks);
+  readInteger(table, boundOf("loop.warmup_ticks"), config.warmup_ticks);
   config.loop.stall_tolerated_s =
       number(table, boundOf("loop.stall_tolerated_s"), config.loop.stall_tolerated_s, config.rehearsal);
   config.watchdog.timeout_s =
@@ -49,7 +50,7 @@ void readRealtime(const TomlTable& table, RunConfig& config) {
   readInteger(table, boundOf("realtime.cpu_dma_latency_us"), r.cpu_dma_latency_us);
 }
 
-// What the loop counts in ticks or waits for must be longer than one of them.
+// Times that the loop counts in ticks must be longer than one of them.
 void requireTicks(const TomlTable& table, const RunConfig& config, bool duration_from_file) {
   const double period_s = 1.0 / config.loop.rate_Hz;
   const auto refusal = [&](double value) {
@@ -128,7 +129,7 @@ void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
   config.realtime.require_rt = command_line.require_rt;
 }
 
-// What a constructor refuses was written in the configuration.
+// A constructor refuses values of the configuration: its errors name the file.
 template <typename Make>
 auto located(const std::filesystem::path& path, Make&& make) {
   try {

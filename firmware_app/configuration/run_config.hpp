@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/model_description.hpp"
 #include "core/network/inference_options.hpp"
 #include "core/network/network_weights.hpp"
 #include "core/tick/tick.hpp"
@@ -17,10 +18,9 @@
 #include "drivers/gpio/gpiod_pins.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
 #include "firmware_app/configuration/estimation_config.hpp"
-#include "firmware_app/files/model_file.hpp"
-#include "firmware_app/loop/loop.hpp"
-#include "firmware_app/realtime/realtime_setup.hpp"
-#include "firmware_app/realtime/watchdog.hpp"
+#include "firmware_app/loop/loop_options.hpp"
+#include "firmware_app/realtime/realtime_options.hpp"
+#include "firmware_app/realtime/watchdog_options.hpp"
 #include "sim/rig.hpp"
 
 namespace patella::app {
@@ -73,10 +73,11 @@ struct RunConfig {
   /// an interface that leads to a wire.
   bool rehearsal = false;
   LoopOptions loop;
+  int warmup_ticks = 200;  ///< heap operations and page faults are counted from here on
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
   std::uint64_t min_free_bytes = 50'000'000;  ///< on the recording's disk
-  ModelDescription model;
+  model::ModelDescription model;
   BusDescription bus;
   std::optional<network::NetworkWeights> weights;
   bool weights_sealed = false;  ///< a digest guards them against flipped bits
@@ -85,7 +86,7 @@ struct RunConfig {
   std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any
   ObserverConfig observer;
   tick::TickSettings tick;
-  ModelDescription rig_model;  ///< the truth that the simulated rig lives by
+  model::ModelDescription rig_model;  ///< the truth that the simulated rig lives by
   sim::RigOptions rig;
   std::filesystem::path faults_path;    ///< empty: nothing goes wrong on purpose
   std::vector<sim::FaultEvent> faults;  ///< also in rig.faults
@@ -95,7 +96,7 @@ struct RunConfig {
 /// std::invalid_argument for a bad argument.
 RunConfig loadRunConfig(const CommandLine& command_line);
 
-/// What reads the bus and what writes to it, as mapped. Throw FileError naming the bus map and the input or
+/// Decoder and encoder of the bus, as mapped. Throw FileError naming the bus map and the input or
 /// output.
 can::MeasurementDecoder makeDecoder(const RunConfig& config);
 can::CommandEncoder makeEncoder(const RunConfig& config);

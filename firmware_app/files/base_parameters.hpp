@@ -7,8 +7,8 @@
 
 namespace patella::app {
 
-/// What motion can identify of two links: m is a mass, l1 the thigh's length, lc the distance of a centre of
-/// mass from its joint, I an inertia about it; 1 is the thigh, 2 the shank.
+/// Parameters of two links that motion can identify: m is a mass, l1 the thigh's length, lc the distance of
+/// a centre of mass from its joint, I an inertia about it; 1 is the thigh, 2 the shank.
 struct BaseParametersOfLinks {
   double thigh_inertia_kg_m2 = 0.0;  ///< I1 + m1 lc1² + m2 l1²
   double shank_inertia_kg_m2 = 0.0;  ///< I2 + m2 lc2²

@@ -11,7 +11,7 @@
 
 namespace patella::app {
 
-/// What the file may hold; in a rehearsal, what a rehearsal may.
+/// The range that a file may use, or that of a rehearsal.
 Range rangeOf(const Bound& bound, bool rehearsal = false) noexcept;
 
 /// Without a fallback the key is required. All throw FileError naming file, line, key, value and range.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <stdexcept>
-#include <utility>
+#include <variant>
+#include <vector>
 
 #include "core/model/effect.hpp"
 #include "firmware_app/files/atomic_file.hpp"
@@ -15,6 +15,9 @@
 namespace patella::app {
 namespace {
 
+using model::EffectDescription;
+using model::MechanismDescription;
+using model::ModelDescription;
 using model::PlanarTwoLinkParameters;
 using model::PrismaticJointParameters;
 using model::RevoluteJointParameters;
@@ -109,19 +112,6 @@ EffectDescription readEffect(const TomlTable& table, int joints) {
   return effect;
 }
 
-std::unique_ptr<model::Mechanism> makeMechanism(const MechanismDescription& description) {
-  return std::visit(Overloaded{[](const PlanarTwoLinkParameters& leg) -> std::unique_ptr<model::Mechanism> {
-                                 return std::make_unique<model::PlanarTwoLink>(leg);
-                               },
-                               [](const RevoluteJointParameters& joint) -> std::unique_ptr<model::Mechanism> {
-                                 return std::make_unique<model::RevoluteJoint>(joint);
-                               },
-                               [](const PrismaticJointParameters& axis) -> std::unique_ptr<model::Mechanism> {
-                                 return std::make_unique<model::PrismaticJoint>(axis);
-                               }},
-                    description);
-}
-
 std::string assignment(std::string_view key, const std::string& value, const std::string& comment) {
   return std::string(key) + " = " + value + (comment.empty() ? "" : "  # " + comment) + "\n";
 }
@@ -192,10 +182,6 @@ std::string commentLines(std::string_view text) {
 
 }  // namespace
 
-int ModelDescription::joints() const noexcept {
-  return std::holds_alternative<PlanarTwoLinkParameters>(mechanism) ? 2 : 1;
-}
-
 ModelDescription loadModel(const std::filesystem::path& path) {
   return parseModel(readFile(path), path.string());
 }
@@ -211,38 +197,6 @@ ModelDescription parseModel(std::string_view text, const std::string& name) {
     makeModel(description);
   } catch (const std::invalid_argument& error) {
     throw FileError(name + ": " + error.what());
-  }
-  return description;
-}
-
-model::DynamicsModel makeModel(const ModelDescription& description) {
-  std::unique_ptr<model::Mechanism> mechanism = makeMechanism(description.mechanism);
-  std::vector<std::unique_ptr<model::Effect>> effects;
-  for (const EffectDescription& effect : description.effects) {
-    effects.push_back(model::makeEffect(effect.kind, effect.joint, *mechanism, effect.parameters));
-  }
-  return {std::move(mechanism), std::move(effects)};
-}
-
-ModelDescription describeModel(const model::DynamicsModel& dynamics) {
-  ModelDescription description;
-  const model::Mechanism* mechanism = &dynamics.mechanism();
-  if (const auto* leg = dynamic_cast<const model::PlanarTwoLink*>(mechanism)) {
-    description.mechanism = leg->parameters();
-  } else if (const auto* joint = dynamic_cast<const model::RevoluteJoint*>(mechanism)) {
-    description.mechanism = joint->parameters();
-  } else if (const auto* axis = dynamic_cast<const model::PrismaticJoint*>(mechanism)) {
-    description.mechanism = axis->parameters();
-  } else {
-    throw std::invalid_argument(
-        "this mechanism has no form in model files, expected one of 'planar_two_link', "
-        "'revolute', 'prismatic'");
-  }
-  for (const auto& effect : dynamics.effects()) {
-    const std::span<const double> values = effect->parameters();
-    description.effects.push_back({.kind = std::string(effect->descriptor().kind),
-                                   .joint = effect->joint(),
-                                   .parameters = {values.begin(), values.end()}});
   }
   return description;
 }

@@ -1,4 +1,4 @@
-// What the kernel says of itself under /proc, /sys and /dev.
+// The kernel's statements under /proc, /sys and /dev.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What the kernel did to a thread: page faults and context switches, getrusage(2).
+// A thread's page faults and context switches, getrusage(2).
 #pragma once
 
 #include <cstdint>

@@ -1,24 +1,14 @@
 // Turns the calling thread into a real-time one, as far as the machine lets it, and says how far that was.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "firmware_app/realtime/finding.hpp"
 #include "firmware_app/realtime/host_files.hpp"
+#include "firmware_app/realtime/realtime_options.hpp"
 
 namespace patella::app {
-
-struct RealtimeOptions {
-  int priority = 80;                                   ///< SCHED_FIFO; 0 leaves the scheduling alone
-  std::vector<int> cpus;                               ///< processors to bind the thread to; empty: any
-  bool lock_memory = true;                             ///< mlockall(2), present and future pages
-  std::size_t prefault_stack_bytes = 256 * 1024;       ///< touched at once, below the caller's frame
-  std::size_t prefault_heap_bytes = 16 * 1024 * 1024;  ///< touched at once and kept by the allocator
-  int cpu_dma_latency_us = 0;  ///< wake-up latency asked of idle processors; -1: do not ask
-  bool require_rt = false;     ///< refuse to run when anything required is missing
-};
 
 /// Binds the calling thread, and with it those that it will start, to processors other than these, where
 /// there are others that it may use: what writes files or shows progress would make the loop wait there.
@@ -30,7 +20,7 @@ std::vector<int> usableProcessors();
 /// Throws std::invalid_argument naming the first of these that is not usable, and those that are.
 void requireUsable(const std::vector<int>& cpus);
 
-/// What was achieved, read back from the kernel.
+/// The achieved state, read back from the kernel.
 struct RealtimeReport {
   std::string policy;  ///< "SCHED_FIFO", "SCHED_OTHER", …
   int priority = 0;

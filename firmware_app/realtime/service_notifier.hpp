@@ -1,4 +1,4 @@
-// What the service manager wants to hear: that the service is ready, alive, or stopping. See sd_notify(3);
+// Tells the service manager that the service is ready, alive, or stopping. See sd_notify(3);
 // the protocol is a datagram to the socket that NOTIFY_SOCKET names.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What the program does about each signal of Linux: one table, from which the handlers are set, and against
+// The program's reaction to each signal of Linux: one table, from which the handlers are set, and against
 // which docs/safety.md and the tests are held.
 #pragma once
 

@@ -12,14 +12,9 @@
 #include "core/types.hpp"
 #include "drivers/gpio/pins.hpp"
 #include "firmware_app/realtime/service_notifier.hpp"
+#include "firmware_app/realtime/watchdog_options.hpp"
 
 namespace patella::app {
-
-struct WatchdogOptions {
-  double timeout_s = 0.05;     ///< without a tick before the line goes down
-  int priority = 0;            ///< SCHED_FIFO of the thread, above the loop's; 0 leaves the scheduling alone
-  double loop_period_s = 0.0;  ///< where known, the thread wakes midway between two ticks, out of their way
-};
 
 /// The first instant from `earliest` on that lies half a period from the ticks on either side, where ticks
 /// come every `period` and one at `tick`; `earliest` itself where the period is not known (0). A thread of

@@ -10,8 +10,8 @@
 #include "drivers/can/bus.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "firmware_app/configuration/run_config.hpp"
-#include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
+#include "firmware_app/recorder/loop_statistics.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 
 namespace patella::app {

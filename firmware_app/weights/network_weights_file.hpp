@@ -15,7 +15,7 @@ namespace patella::app {
 /// whether a digest guards them, see readSafetensors().
 network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path, bool* sealed = nullptr);
 
-/// What to tell a person who loads weights that are not.
+/// Message for a person who loads weights without a seal.
 std::string unsealedWarning(const std::filesystem::path& path);
 
 /// Throws FileError when the weights do not pass network::checkWeights or cannot be written; a

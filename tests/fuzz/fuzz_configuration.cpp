@@ -2,6 +2,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 #include "tests/support/paths.hpp"
@@ -12,23 +13,15 @@ namespace {
 class Folder {
  public:
   Folder() {
-    std::filesystem::create_directories(path_);
     const std::filesystem::path config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
     for (const char* name : {"models", "can", "references"}) {
-      std::filesystem::create_directory_symlink(config / name, path_ / name);
+      std::filesystem::create_directory_symlink(config / name, folder_ / name);
     }
   }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
-  std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() / ("patella-fuzz-" + std::to_string(getpid()));
+  patella::files::TemporaryFolder folder_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What the targets share.
+// Parts that the targets share.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ inline std::string_view text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// What chance would take years to write: byte 1, then which part, then how often as a power of two. Every
-/// other byte stands for itself.
+/// Repeats parts, which chance would take years to write: byte 1, the part, its count as a power of two.
+/// Every other byte stands for itself.
 inline std::string expanded(std::string_view input) {
   constexpr std::array<std::string_view, 6> kParts = {"[", "{ a = ", ".a", "1,", "\n[a]\n", "\"\"\""};
   constexpr std::size_t kLongest = 2'000'000;

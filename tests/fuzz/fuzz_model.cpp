@@ -6,9 +6,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace patella;
   try {
-    const app::ModelDescription description =
+    const model::ModelDescription description =
         app::parseModel(fuzz::expanded(fuzz::text(data, size)), "fuzz.toml");
-    model::DynamicsModel model = app::makeModel(description);
+    model::DynamicsModel model = model::makeModel(description);
     model::EffectInput input;
     for (JointVector* vector : {&input.q, &input.dq, &input.torque_Nm}) {
       vector->setConstant(model.joints(), 0.1);

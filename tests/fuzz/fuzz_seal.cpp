@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/network/network_weights.hpp"
+#include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
@@ -27,12 +28,10 @@ network::NetworkWeights tinyNetwork() {
 }
 
 std::string sealedBytes() {
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("patella-fuzz-seal-" + std::to_string(getpid()));
+  const files::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "sealed.safetensors";
   app::saveNetworkWeights(path, tinyNetwork());
-  std::string bytes = app::readFile(path);
-  std::filesystem::remove(path);
-  return bytes;
+  return app::readFile(path);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ seeds() {
 longest() { case $1 in tick) echo 1024 ;; seal) echo 64 ;; *) echo 16384 ;; esac; }
 # Longest input that is kept in the tree.
 kept() { case $1 in tick) echo 512 ;; seal) echo 64 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
-# What takes two or three seconds.
+# Limits of a run of two or three seconds.
 short_runs() { [ "$1" = tick ] && echo 200 || echo 10000; }
 # The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
 words() {

@@ -1,4 +1,4 @@
-# What the controls of the checks share. To be sourced, with the check's path as $1; leaves an empty tree in $root.
+# Common part of the controls of the checks. To be sourced, with the check's path as $1; leaves an empty tree in $root.
 set -euo pipefail
 check=$1
 root=$(mktemp -d)

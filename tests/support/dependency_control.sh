@@ -22,3 +22,16 @@ expect 0 "one way"
 
 echo '#include "tools/diagnose/verdict/verdict.hpp"' >"$root/tools/diagnose/fit/bad.cpp"
 expect 1 "tools/diagnose/fit/bad.cpp:1: includes tools/diagnose/verdict/verdict.hpp"
+rm "$root/tools/diagnose/fit/bad.cpp"
+
+mkdir -p "$root/firmware_app/loop" "$root/firmware_app/recorder" "$root/tools/bench/tick"
+echo '#include "firmware_app/loop/loop_sink.hpp"' >"$root/firmware_app/recorder/good.cpp"
+echo '#include "firmware_app/loop/loop.hpp"' >"$root/tools/bench/tick/good.cpp"
+expect 0 "one way"
+
+echo '#include "firmware_app/recorder/recorder.hpp"' >"$root/firmware_app/loop/bad.cpp"
+expect 1 "firmware_app/loop/bad.cpp:1: includes firmware_app/recorder/recorder.hpp"
+rm "$root/firmware_app/loop/bad.cpp"
+
+echo '#include "firmware_app/loop/loop.hpp"' >"$root/tools/diagnose/fit/bad.cpp"
+expect 1 "tools/diagnose/fit/bad.cpp:1: includes firmware_app/loop/loop.hpp"

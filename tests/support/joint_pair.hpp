@@ -1,4 +1,4 @@
-// What two joints have, written in one expression.
+// Values of two joints, written in one expression.
 #pragma once
 
 #include "core/types.hpp"

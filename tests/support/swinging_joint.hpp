@@ -1,4 +1,4 @@
-// A joint whose torque is known, for tests of the inference by evidence.
+// A joint whose torque is known, for tests of noise and of what is left.
 #pragma once
 
 #include <cmath>
@@ -7,12 +7,12 @@
 #include <numbers>
 #include <random>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 
-inline app::ModelDescription pendulum() {
+inline model::ModelDescription pendulum() {
   model::RevoluteJointParameters joint;
   joint.inertia_kg_m2 = 0.3;
   joint.moment_kg_m = 1.0;
@@ -42,7 +42,7 @@ inline Recording swinging(double duration_s, double noise_Nm,
                           const std::function<double(const Motion&)>& missing, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0.0, noise_Nm);
-  const model::DynamicsModel dynamics = app::makeModel(pendulum());
+  const model::DynamicsModel dynamics = model::makeModel(pendulum());
   Recording recording;
   recording.name = "swinging";
   recording.rate_Hz = 200.0;

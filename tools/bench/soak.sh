@@ -49,7 +49,7 @@ while kill -0 "$process" 2>/dev/null; do
   files=$(find "/proc/$process/fd" -mindepth 1 2>/dev/null | wc -l)
   [ "$files" -gt 0 ] || break
   samples=$((samples + 1))
-  # What is there after the first samples is set-up.
+  # Memory and files after the first samples are set-up.
   if [ "$samples" -le 3 ]; then first_kb=$memory first_files=$files; fi
   [ -n "$first_stamp" ] || first_stamp=$(head -c 20000 "$run/frames.log" | stamps | head -n 1 || true)
   last_kb=$memory last_files=$files

@@ -66,7 +66,7 @@ download() {
   printf '%s\n' $files | sed "s|^|$cache/packages/|"
 }
 
-# What would be installed with $programs on an arm64 machine that has nothing: of that, the libraries.
+# The libraries among the packages that an empty arm64 machine would install with $programs.
 library_packages() {
   : >"$cache/nothing-installed"
   apt-get -q -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State::status="$cache/nothing-installed" \

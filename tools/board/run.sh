@@ -36,7 +36,7 @@ scenario=$1; shift
 [ -f "$scenario" ] || { echo "run.sh: no scenario $scenario" >&2; exit 2; }
 name=$(basename "$scenario" .sh)
 
-# What the scenario needs, then what the command line says.
+# Needs of the scenario, then the command line.
 kernel=rt time=counted can=0 isolated=no memory=512 limit=150 programs=() artefacts= add=
 for need in $(sed -n 's/^# board://p' "$scenario"); do
   case $need in
@@ -73,7 +73,7 @@ if [ -z "${PATELLA_BIN_DIR:-}" ]; then
     cmake --build --preset arm64 --target patella patella-rig patella_board_{host_call,never_idle} "${programs[@]##*/}" >&2)
 fi
 
-# What this run adds to the image.
+# Additions of this run to the image.
 work=$(mktemp -d "$cache/run.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 root=$work/root

@@ -7,7 +7,7 @@ set -euo pipefail
 root=${1:-$(dirname "$0")/../..}
 cd "$root"
 status=0
-# What defines a range, and what makes one of a row, may name them.
+# Only the definition of a range, and the conversion of a row into one, may name them.
 while IFS=: read -r file line text; do
   [ -n "$file" ] || continue
   echo "$file:$line: '$text' reads a number without a row of core/bounds" >&2

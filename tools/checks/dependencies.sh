@@ -35,17 +35,34 @@ while IFS=: read -r file line text; do
 done < <(sources core | xargs -r grep -nHoE '^#include <[^>]+>' | sed -E 's/#include <([^>]+)>/\1/' |
   grep -vE ':(Eigen/[A-Za-z]+|[a-z_0-9]+|[ei]mmintrin\.h|arm_neon\.h)$' || true)
 
-# Rooms of the diagnosis, in the way that a recording goes: each may include itself and what stands before it.
-rooms=(result regression effects fit checks search evidence verdict output)
-for index in "${!rooms[@]}"; do
-  room=tools/diagnose/${rooms[$index]}
-  [ -d "$room" ] || continue
-  allowed=$(IFS='|'; echo "${rooms[*]:0:index+1}")
+# may_include FOLDER OF ALLOWED: of what stands in the folder OF, FOLDER may include only what matches ALLOWED.
+may_include() {
+  [ -d "$1" ] || return 0
   while IFS=: read -r file line text; do
     [ -n "$file" ] || continue
-    fail "$file:$line: includes $text; $room may include of the diagnosis only ${allowed//|/, }"
-  done < <(sources "$room" | xargs -r grep -nHoE '^#include "tools/diagnose/[^"]+"' | sed -E 's/#include "([^"]+)"/\1/' |
-    grep -vE ":tools/diagnose/($allowed)/" || true)
+    fail "$file:$line: includes $text; $1 may include of $2 only ${3//|/, }"
+  done < <(sources "$1" | xargs -r grep -nHoE "^#include \"$2/[^\"]+\"" | sed -E 's/#include "([^"]+)"/\1/' |
+    grep -vE ":$2/($3)/" || true)
+}
+# rooms FOLDER ROOM...: each room may include itself and those before it.
+rooms() {
+  local folder=$1 allowed="" room
+  shift
+  for room; do
+    allowed=${allowed:+$allowed|}$room
+    may_include "$folder/$room" "$folder" "$allowed"
+  done
+}
+# In the way that a recording goes.
+rooms tools/diagnose result regression effects fit checks search evidence verdict output
+# The loop tells a sink what it did and knows nobody who keeps account.
+rooms firmware_app files weights realtime loop configuration recorder commands
+# Only benchmarks and studies run the loop.
+for tool in tools/*/; do
+  case $tool in
+    tools/bench/ | tools/studies/) ;;
+    *) may_include "${tool%/}" firmware_app "files|weights|configuration" ;;
+  esac
 done
 
 [ "$status" -ne 0 ] || echo "dependencies point one way: ${order[*]}"

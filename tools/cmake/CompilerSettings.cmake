@@ -15,26 +15,34 @@ if(CCACHE_PROGRAM)
     "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${CCACHE_PROGRAM}")
 endif()
 
+# What an installed library asks of those who link it (tools/cmake/InstallLibraries.cmake): headers, the language, and one
+# alignment of Eigen's matrices, whatever vector instructions they build for.
 add_library(patella_settings INTERFACE)
-target_include_directories(patella_settings INTERFACE "${PROJECT_SOURCE_DIR}")
-target_compile_options(patella_settings INTERFACE
+target_include_directories(patella_settings INTERFACE
+  "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>" "$<INSTALL_INTERFACE:include/patella>")
+target_compile_features(patella_settings INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
+target_compile_definitions(patella_settings INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=16>)
+# How this project compiles.
+add_library(patella_compiler_flags INTERFACE)
+target_link_libraries(patella_settings INTERFACE $<BUILD_INTERFACE:patella_compiler_flags>)
+target_compile_options(patella_compiler_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
   -Woverloaded-virtual -Wnull-dereference -Wformat=2 -Werror
   # A fused multiply-add where the compiler feels like it would make logs differ between builds.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports false positives of these inside Eigen and libstdc++ at -O2 and under sanitizers.
-  target_compile_options(patella_settings INTERFACE
+  target_compile_options(patella_compiler_flags INTERFACE
     -Wno-maybe-uninitialized -Wno-null-dereference -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
     # Notes about a calling convention that changed with GCC 10.1; nothing here is linked with older C++ objects.
-    target_compile_options(patella_settings INTERFACE -Wno-psabi)
+    target_compile_options(patella_compiler_flags INTERFACE -Wno-psabi)
   endif()
 endif()
 
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # doctest's __COUNTER__ is an extension to clang 22.
-  target_compile_options(patella_settings INTERFACE -Wno-unknown-warning-option -Wno-c2y-extensions)
+  target_compile_options(patella_compiler_flags INTERFACE -Wno-unknown-warning-option -Wno-c2y-extensions)
 endif()
 
 set(PATELLA_SANITIZER "" CACHE STRING "address (with undefined), thread, realtime, fuzzer, or empty")

@@ -54,6 +54,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "to "
       "signals; with --decode, a log into a CSV of all signals.",
       "patella-convert");
+  app.set_version_flag("--version", std::string("patella-convert ") + PATELLA_VERSION);
   Arguments arguments;
   auto* recording = app.add_option("recording", arguments.recording, "CSV with a header of names")
                         ->check(CLI::ExistingFile);

@@ -45,7 +45,7 @@ std::vector<int> movingJoints(std::span<const JointSignals> signals) {
   return moving;
 }
 
-// What a fit holds, declared or found.
+// The effects of a fit, declared or found.
 std::set<std::string> labelsIn(const ModelFit& fit) {
   std::set<std::string> labels;
   for (const Term& term : fit.terms) {
@@ -55,7 +55,7 @@ std::set<std::string> labelsIn(const ModelFit& fit) {
 }
 
 // Nothing is fitted: the model stays as it was given.
-Diagnosis undecided(const AnalysedRecordings& recordings, const app::ModelDescription& model,
+Diagnosis undecided(const AnalysedRecordings& recordings, const model::ModelDescription& model,
                     const std::string& reason, const DiagnoseOptions& options, Diagnosis diagnosis) {
   diagnosis.doubts.push_back({Doubt::kTooPoor, reason});
   leaveAsItWas(recordings.train, recordings.heldout, model, diagnosis);
@@ -66,7 +66,7 @@ Diagnosis undecided(const AnalysedRecordings& recordings, const app::ModelDescri
 
 // From recordings that can be of this machine, and the time at which their torque acted.
 Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const Recording> holdout,
-                        const app::ModelDescription& model, const DiagnoseOptions& options) {
+                        const model::ModelDescription& model, const DiagnoseOptions& options) {
   Diagnosis diagnosis;
   diagnosis.seed = options.seed;
   diagnosis.torque_unit =
@@ -84,7 +84,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   }
 
   analysed.predictTorque(model, options.fit());
-  const model::DynamicsModel bare = app::makeModel({.mechanism = model.mechanism, .effects = {}});
+  const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
   const std::vector<double> noise_Nm =
       knownNoise_Nm(analysed.parts.train, bare.mechanism(), train.band_Hz(), options.person_Nm);
   MissingEffects found = findMissing(analysed, model, movingJoints(signals), noise_Nm, options);
@@ -101,8 +101,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, options.nominal_tolerance, diagnosis);
-  diagnosis.revealed =
-      revealedBy(train, fit, found.atoms, diagnosis.rests, labelsIn(fit), thresholdOf(diagnosis, fit));
+  diagnosis.revealed = revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit),
+                                  thresholdOf(diagnosis, fit));
 
   options.report("errors", 0.0);
   judgeByErrors({.train = train,
@@ -120,7 +120,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
 }  // namespace
 
 Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Recording> holdout,
-                   const app::ModelDescription& model, const DiagnoseOptions& options) {
+                   const model::ModelDescription& model, const DiagnoseOptions& options) {
   requirePlausible(recordings, model);
   requirePlausible(holdout, model);
   const std::vector<Recording> timed = withTorqueTiming(recordings, model);

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
 #include "tools/diagnose/search/diagnose_options.hpp"
 #include "tools/recordings/recording.hpp"
@@ -14,6 +14,6 @@ namespace patella::diagnose {
 /// where they cannot belong to the model: other number of joints, too few samples, not finite, angles in
 /// degrees, columns swapped.
 Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Recording> holdout,
-                   const app::ModelDescription& model, const DiagnoseOptions& options);
+                   const model::ModelDescription& model, const DiagnoseOptions& options);
 
 }  // namespace patella::diagnose

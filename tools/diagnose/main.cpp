@@ -36,7 +36,7 @@ using namespace patella::diagnose;
 
 /// With fewer, no effect could stand out from chance at 0.5 %, however strong.
 constexpr int kFewestReplicates = 299;
-/// What nobody's leg exerts (strongest knee extensors: some 400 N·m).
+/// A torque beyond any leg's (strongest knee extensors: some 400 N·m).
 constexpr double kStrongestPerson_Nm = 500.0;
 
 struct Arguments {
@@ -202,7 +202,7 @@ void run(Arguments& a) {
   if (!a.torque_timing.empty()) {
     a.recording.torque_timing = a.torque_timing == "held" ? TorqueTiming::kHeld : TorqueTiming::kSampled;
   }
-  const app::ModelDescription model = app::loadModel(a.model);
+  const model::ModelDescription model = app::loadModel(a.model);
   a.recording.joints = model.joints();
   if (!a.options.person_Nm.empty() &&
       a.options.person_Nm.size() != static_cast<std::size_t>(model.joints())) {

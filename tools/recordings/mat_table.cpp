@@ -91,7 +91,7 @@ std::vector<double> numbersAs(const matvar_t& variable, std::size_t first, std::
 
 using Copy = std::vector<double> (*)(const matvar_t&, std::size_t, std::size_t);
 
-/// What copies the numbers of a class, or nothing where it holds none.
+/// Function that copies the numbers of a class; empty where the class holds none.
 Copy copyOf(const matvar_t& variable) {
   switch (variable.class_type) {
     case MAT_C_DOUBLE:

@@ -39,7 +39,7 @@ inline constexpr double kLongestBridge_s = 0.020;
 /// Samples of a slow recording, which has none so near to each other.
 inline constexpr double kLongestBridge_samples = 3.0;
 
-/// What is longer is a gap. `step_s` is that of the samples.
+/// Longest step that is no gap. `step_s` is that of the samples.
 inline double longestBridge_s(double step_s) {
   return std::max(kLongestBridge_s, kLongestBridge_samples * step_s) + 1e-9;
 }

@@ -4,15 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
 #include <sys/wait.h>
 
+#include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/wording.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::report {
 namespace {
@@ -22,29 +23,6 @@ using app::formatNumber;
 constexpr int kFigureHeight = 300;
 constexpr int kFigureWidth = 760;
 constexpr int kWideWidth = 1540;
-
-/// A folder that goes away with its pictures.
-class PictureFolder {
- public:
-  PictureFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "patella-report-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error(name + ": cannot be created");
-    }
-    path_ = name;
-  }
-  ~PictureFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  PictureFolder(const PictureFolder&) = delete;
-  PictureFolder& operator=(const PictureFolder&) = delete;
-
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 void run(const std::string& script) {
   FILE* gnuplot = popen("gnuplot -", "w");
@@ -181,20 +159,20 @@ std::string plotted(const Series& series, const std::string& data) {
 void writeLevels(std::ostream& script, const Figure& figure, const std::pair<double, double>& range) {
   for (const Level& level : figure.levels) {
     const std::string value = formatNumber(level.value);
-    const std::string style = " nohead dt (6,4) lw 1 lc rgb '#B00020' front\n";
+    const std::string style = " nohead dt (6,4) lw 1 lc rgb '" + std::string(colour::kAlarm) + "' front\n";
     const std::string words = quoted(level.label);
     if (level.vertical) {
       script << "set arrow from first " << value << ",graph 0 to first " << value << ",graph 1" << style;
       if (!level.label.empty()) {
-        script << "set label " << words << " at first " << value
-               << ",graph 0.97 left offset 0.5,0 tc rgb '#B00020' noenhanced front\n";
+        script << "set label " << words << " at first " << value << ",graph 0.97 left offset 0.5,0 tc rgb '"
+               << colour::kAlarm << "' noenhanced front\n";
       }
     } else if (level.value >= range.first && level.value <= range.second) {
       // Outside, gnuplot would draw it across the neighbouring figures.
       script << "set arrow from graph 0,first " << value << " to graph 1,first " << value << style;
       if (!level.label.empty()) {
-        script << "set label " << words << " at graph 0.995,first " << value
-               << " right offset 0,0.5 tc rgb '#B00020' noenhanced front\n";
+        script << "set label " << words << " at graph 0.995,first " << value << " right offset 0,0.5 tc rgb '"
+               << colour::kAlarm << "' noenhanced front\n";
       }
     }
   }
@@ -273,7 +251,7 @@ void writeHistogram(std::ostream& script, const Figure& figure, const std::strin
          << "set xrange [" << formatNumber(histogram.centre.front() - 2.0 * half) << ":"
          << formatNumber(histogram.centre.back() + 2.0 * half) << "]\n"
          << "plot $" << prefix << " using 1:2:(" << formatNumber(half)
-         << "*1.9) with boxes fs solid 0.85 noborder lc rgb '#0072B2' notitle\n";
+         << "*1.9) with boxes fs solid 0.85 noborder lc rgb '" << colour::kBlue << "' notitle\n";
 }
 
 void writeFigure(std::ostream& script, const Figure& figure, const std::string& prefix) {
@@ -295,7 +273,7 @@ int heightOf(const Figure& figure) {
 }  // namespace
 
 std::vector<std::string> drawSvg(std::span<const Figure> figures) {
-  const PictureFolder folder;
+  const files::TemporaryFolder folder;
   std::ostringstream script;
   script << "set encoding utf8\n";
   for (std::size_t i = 0; i < figures.size(); ++i) {
@@ -303,22 +281,22 @@ std::vector<std::string> drawSvg(std::span<const Figure> figures) {
     script << "set terminal svg name " << quoted(name) << " size "
            << (figures[i].wide ? kWideWidth : kFigureWidth) << "," << heightOf(figures[i])
            << " dynamic enhanced font 'Helvetica,Arial,sans-serif,13'\n"
-           << "set output " << quoted(folder.file(name)) << "\n";
+           << "set output " << quoted((folder / name).string()) << "\n";
     writeFigure(script, figures[i], name + "_");
     script << "unset output\n";
   }
   run(script.str());
   std::vector<std::string> documents;
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    const std::string text = app::readFile(folder.file("figure" + std::to_string(i + 1)), files::kResultFile);
+    const std::string text = app::readFile(folder / ("figure" + std::to_string(i + 1)), files::kResultFile);
     documents.push_back(text.substr(std::min(text.find("<svg"), text.size())));
   }
   return documents;
 }
 
 void drawPng(std::span<const Figure> figures, const std::string& title, const std::filesystem::path& path) {
-  const PictureFolder folder;
-  const std::string picture = folder.file("overview.png");
+  const files::TemporaryFolder folder;
+  const std::string picture = (folder / "overview.png").string();
   constexpr int kTitleHeight = 50;
   // Rows of two figures; a wide one has a row of its own.
   struct Place {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/report/interactive.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::report {
 namespace {
@@ -192,9 +193,9 @@ std::string reportPage(const std::string& title, std::span<const Figure> figures
   const bool shaded = std::any_of(figures.begin(), figures.end(),
                                   [](const Figure& figure) { return !figure.shades.empty(); });
   if (shaded) {
-    body +=
-        "<p class=\"legend\"><span style=\"background:#FBEFC9\">torque held back by a limit</span>"
-        "<span style=\"background:#F6D5CC\">fault</span></p>\n";
+    body += std::string("<p class=\"legend\"><span style=\"background:") + colour::kLimitShade +
+            "\">torque held back by a limit</span><span style=\"background:" + colour::kFaultShade +
+            "\">fault</span></p>\n";
   }
   body += figureSections(figures, pictures);
   if (!summary.empty()) {

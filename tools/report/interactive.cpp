@@ -19,7 +19,7 @@ constexpr const char* kCurves = "<script type=\"application/json\" class=\"curve
 constexpr int kDigitsX = 7;
 constexpr int kDigitsY = 5;
 
-/// What is no number is null.
+/// Values that are no numbers become null.
 std::string numbers(std::span<const double> values, int digits) {
   std::string text = "[";
   for (const double value : values) {

@@ -1,4 +1,4 @@
-// What a page needs for its reader to look into a figure: its curves as data, and the script that draws them.
+// Interactive figures of a page: their curves as data, and the script that draws them.
 #pragma once
 
 #include <string>

@@ -28,6 +28,7 @@ nlohmann::json loadSummary(const std::filesystem::path& path) {
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App arguments("Draws a recorded run: ticks.csv and summary.json of a run folder become one HTML page.",
                      "patella-report");
+  arguments.set_version_flag("--version", std::string("patella-report ") + PATELLA_VERSION);
   std::filesystem::path run;
   std::filesystem::path page;
   std::filesystem::path picture;

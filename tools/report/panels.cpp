@@ -10,22 +10,13 @@
 #include "core/safety/fault.hpp"
 #include "core/safety/state_machine.hpp"
 #include "core/types.hpp"
+#include "tools/report/palette.hpp"
 #include "tools/report/reduction.hpp"
 
 namespace patella::report {
 namespace {
 
-// Okabe and Ito's colours, which the colour-blind can tell apart.
-constexpr const char* kBlue = "#0072B2";
-constexpr const char* kSky = "#56B4E9";
-constexpr const char* kOrange = "#E69F00";
-constexpr const char* kRed = "#D55E00";
-constexpr const char* kGreen = "#009E73";
-constexpr const char* kPurple = "#CC79A7";
-constexpr const char* kGrey = "#9A9A9A";
-constexpr const char* kBlack = "#222222";
-constexpr const char* kFaultShade = "#F6D5CC";
-constexpr const char* kLimitShade = "#FBEFC9";
+using namespace colour;
 
 constexpr std::size_t kBins = 700;  // about the width of a figure in pixels
 

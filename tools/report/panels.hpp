@@ -1,4 +1,4 @@
-// What an engineer looks at after a run, from the columns that the run recorded.
+// The panels that an engineer looks at after a run, from the columns that the run recorded.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What patella-train is told.
+// Arguments of patella-train.
 #pragma once
 
 #include <filesystem>

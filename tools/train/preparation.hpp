@@ -12,7 +12,7 @@
 
 namespace patella::train {
 
-/// What is taken for the truth about f_u.
+/// The target that stands for the true f_u.
 enum class Target : std::uint8_t {
   kRaw,       ///< the observer's f_s as it comes
   kFiltered,  ///< behind the loop's low-pass

@@ -1,4 +1,4 @@
-// What a network learns from: the features of a recording as the loop would have them, and beside them what
+// Training sequences: the features of a recording as the loop would have them, and beside them what
 // the network is to say.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace patella::train {
 /// steps x features or joints.
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What a step is there for.
+/// The role of a step.
 enum class Role : std::uint8_t {
   kIgnored,  ///< seen as past of other steps only
   kTrain,
@@ -44,7 +44,7 @@ bool isCorrection(network::OutputKind output) noexcept;
 /// True where it is a torque.
 bool isTorque(network::OutputKind output) noexcept;
 
-/// What the network has to deliver: the reference, less the observer where it corrects.
+/// The network's target: the reference, less the observer where it corrects.
 Rows targetOf(const Sequence& sequence, network::OutputKind output);
 
 /// (row − mean) / scale of every row.

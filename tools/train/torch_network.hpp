@@ -49,7 +49,7 @@ void initialise(network::NetworkWeights& frame, const network::NetworkShape& sha
 torch::Tensor normalised(const Rows& features, const network::NetworkWeights& weights,
                          torch::ScalarType type = torch::kFloat32);
 
-/// What the network says of a whole sequence, in physical units.
+/// The network's output for a whole sequence, in physical units.
 Rows evaluate(const TorchNetwork& network, const network::NetworkWeights& weights, const Rows& features,
               torch::ScalarType type = torch::kFloat32);
 

@@ -13,7 +13,7 @@
 
 namespace patella::train {
 
-/// What ends the training before its last epoch.
+/// Rule that ends the training before its last epoch.
 enum class Stopping : std::uint8_t {
   kNone,
   kPaper,  ///< the training loss changed by less than 0.1 % in five epochs one after the other

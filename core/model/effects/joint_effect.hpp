@@ -1,4 +1,4 @@
-// What effects on one joint have in common: where they act and with which parameters.
+// Common base of effects on one joint: where they act and with which parameters.
 #pragma once
 
 #include <algorithm>

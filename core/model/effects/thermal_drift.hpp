@@ -4,7 +4,7 @@
 
 namespace patella::model {
 
-/// What changes while drive and lubricant warm up from the start of the clock: offset and friction approach
+/// Drift while drive and lubricant warm up from the start of the clock: offset and friction approach
 /// new values as the temperature does.
 class ThermalDrift final : public JointEffect<5> {
  public:

@@ -48,7 +48,7 @@ kernel=$cache/root/usr/bin/linux.uml
 ) 9>"$cache/lock" || skip "package user-mode-linux could not be downloaded and unpacked"
 [ -x /usr/sbin/ip ] || skip "no /usr/sbin/ip (package iproute2)"
 
-# What goes in and out of the guest.
+# Files in and out of the guest.
 job=$(mktemp -d "$cache/job.XXXXXX")
 trap 'rm -rf "$job"' EXIT
 [ -n "$artefacts" ] || artefacts=$job/artefacts

@@ -7,7 +7,7 @@
 #include "diagnose_process.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;

@@ -1,10 +1,10 @@
-// What long recordings cost. An hour is out of reach of a test; that ten minutes take hardly more than two
+// Memory of long recordings. An hour is out of reach of a test; that ten minutes take hardly more than two
 // tells as much.
 #include <doctest/doctest.h>
 
 #include "diagnose_process.hpp"
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;

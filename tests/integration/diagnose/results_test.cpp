@@ -1,4 +1,4 @@
-// What a diagnosis leaves behind.
+// Files that a diagnosis leaves behind.
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -6,7 +6,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -37,7 +37,7 @@ TEST_CASE("a knee that rubs: page, numbers and a model that loads; the same agai
   CHECK(numbers["error"]["after"]["heldout_rms"][0].get<double>() <
         0.2 * numbers["error"]["before"]["heldout_rms"][0].get<double>());
 
-  const app::ModelDescription extended = app::loadModel(folder / "out/a/model.extended.toml");
+  const model::ModelDescription extended = app::loadModel(folder / "out/a/model.extended.toml");
   REQUIRE(extended.effects.size() == 1);
   CHECK(extended.effects[0].kind == "coulomb_friction");
   CHECK(

@@ -13,7 +13,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "spoilt_rigs.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/recordings/recording_file.hpp"
 
@@ -88,8 +88,8 @@ Table tableOf(const SpoiltRig& rig) {
   return table;
 }
 
-/// What becomes of a file: read, and judged with the model.
-Recording judged(const Table& table, const app::ModelDescription& model) {
+/// Outcome for a file: read, and judged with the model.
+Recording judged(const Table& table, const model::ModelDescription& model) {
   const ScratchFolder folder;
   app::writeFile(folder / "run.csv", table.csv());
   Recording recording = loadRecording(folder / "run.csv", {.joints = model.joints()});
@@ -97,7 +97,7 @@ Recording judged(const Table& table, const app::ModelDescription& model) {
   return recording;
 }
 
-std::string refusal(const Table& table, const app::ModelDescription& model) {
+std::string refusal(const Table& table, const model::ModelDescription& model) {
   try {
     judged(table, model);
   } catch (const std::exception& error) {
@@ -128,7 +128,7 @@ void checkAll(const std::vector<Nonsense>& all) {
   for (const char* mechanism : {"knee", "light_arm"}) {
     const SpoiltRig rig = rubbingRig(mechanism, 2);
     const Table sound = tableOf(rig);
-    const app::ModelDescription model = rig.model();
+    const model::ModelDescription model = rig.model();
     REQUIRE_NOTHROW(judged(sound, model));
     for (const Nonsense& nonsense : all) {
       if (std::string(nonsense.mechanism) == mechanism) {
@@ -248,7 +248,7 @@ TEST_CASE("files that are broken are refused by line or column") {
 
 TEST_CASE("what is unusual and no nonsense is believed") {
   const SpoiltRig rig = rubbingRig("light_arm", 2);
-  const app::ModelDescription model = rig.model();
+  const model::ModelDescription model = rig.model();
   Table table = tableOf(rig);
   SUBCASE("stamps of a wall clock") {
     for (double& value : table.t()) {

@@ -51,7 +51,7 @@ Recording dropped(const Tissue& tissue, double duration_s) {
   return recording;
 }
 
-app::ModelDescription shank() {
+model::ModelDescription shank() {
   return {.mechanism = model::RevoluteJointParameters{.inertia_kg_m2 = kInertia_kg_m2,
                                                       .moment_kg_m = kMoment_kg_m,
                                                       .length_m = 0.4,

@@ -10,7 +10,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "spoilt_rigs.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 using namespace patella;
@@ -21,11 +21,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-std::string refusal(const Recording& recording, const app::ModelDescription& model) {
+std::string refusal(const Recording& recording, const model::ModelDescription& model) {
   return messageOf<std::invalid_argument>([&] { requirePlausible(std::span(&recording, 1), model); });
 }
 
-// What is recorded comes so many rows after what acted.
+// Delay of the recorded torque after the acting one, in rows.
 void delay(std::vector<double>& values, std::size_t rows) {
   std::copy_backward(values.begin(), values.end() - static_cast<std::ptrdiff_t>(rows), values.end());
 }

@@ -23,7 +23,7 @@ SpoiltRig rubbingRig(std::string mechanism, std::uint64_t seed, double strength)
   return made;
 }
 
-Diagnosis diagnosed(std::span<const Recording> recordings, const app::ModelDescription& model) {
+Diagnosis diagnosed(std::span<const Recording> recordings, const model::ModelDescription& model) {
   DiagnoseOptions options;
   options.effects = {"viscous_friction", "coulomb_friction", "linear_stiffness",
                      "torque_bias",      "rotor_inertia",    "actuator_lag"};

@@ -16,14 +16,14 @@ struct SpoiltRig {
   std::vector<bench::TrueEffect> effects;
 
   diagnose::Recording record() const;
-  app::ModelDescription model() const { return bench::nominalModel(rig); }
+  model::ModelDescription model() const { return bench::nominalModel(rig); }
 };
 
 /// A rig of 20 s on sums of sinusoids whose first joint has dry friction of this many times the noise.
 SpoiltRig rubbingRig(std::string mechanism, std::uint64_t seed, double strength = 3.0);
 
 diagnose::Diagnosis diagnosed(std::span<const diagnose::Recording> recordings,
-                              const app::ModelDescription& model);
+                              const model::ModelDescription& model);
 
 /// True where the diagnosis claims to have found an effect, and none of what it offers is dry friction on
 /// joint 1.

@@ -118,11 +118,19 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
     prepare(bus);
   }
   gpio::SimulatedPins pins;
-  app::Loop loop(config.loop, clock, bus, pins, decoder, encoder, *tick, nullptr);
+  app::RunAccount account({.warmup_ticks = config.warmup_ticks});
+  app::Loop loop({.options = config.loop,
+                  .clock = clock,
+                  .bus = bus,
+                  .pins = pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   const std::atomic<bool> stop{false};
   loop.run(stop);
   DriveRun run;
-  run.loop = loop.statistics();
+  run.loop = account.statistics();
   run.bus = bus.statistics();
   run.seen = bus.seen;
   run.rig = rig->statistics();

@@ -7,8 +7,9 @@
 
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace patella::test {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/support/program.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace patella::test {
 

@@ -68,7 +68,7 @@ std::set<fs::path> filesOf(const Rig& rig) {
 
 TEST_CASE("recordings of other people's rigs are believed, row by row") {
   for (const Rig& rig : rigs()) {
-    const app::ModelDescription model = app::loadModel(rig.model);
+    const model::ModelDescription model = app::loadModel(rig.model);
     const std::set<fs::path> files = filesOf(rig);
     CHECK(files.size() == rig.files);
     for (const fs::path& file : files) {

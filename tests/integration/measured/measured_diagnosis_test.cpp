@@ -1,4 +1,4 @@
-// What a diagnosis must find in recordings of other people's machines and of a person. Bounds are a little
+// Findings in recordings of other people's machines and of a person. Bounds are a little
 // above what was reached, which stands in docs/measured_diagnosis.md.
 #include <algorithm>
 #include <filesystem>
@@ -8,11 +8,12 @@
 
 #include <doctest/doctest.h>
 
+#include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tools/bench/measured/emps_error.hpp"
 #include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/recordings/recording_file.hpp"
+#include "tools/studies/measured/emps_error.hpp"
 
 using namespace patella;
 using diagnose::Diagnosis;
@@ -79,7 +80,7 @@ void checkAxis(const Diagnosis& diagnosis, const diagnose::Recording& recording)
   CHECK(find(diagnosis, "stribeck_friction", 0) == nullptr);
   CHECK(refusedForSign(diagnosis, "stribeck_friction@1", "stribeck_level_Nm"));
 
-  const bench::RelativeError error = bench::relativeError(recording, diagnosis.extended, 0.7);
+  const study::RelativeError error = study::relativeError(recording, diagnosis.extended, 0.7);
   CHECK(error.train_percent < 2.3);
   CHECK(error.heldout_percent < 2.5);
 }

@@ -25,7 +25,7 @@ app::RunConfig demonstration() {
   return config;
 }
 
-/// What lies between the rig and the loop.
+/// The bus between the rig and the loop.
 class Vandal {
  public:
   Vandal(std::uint64_t seed, double badness) : random_(seed), badness_(badness) {}

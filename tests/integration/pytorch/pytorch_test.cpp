@@ -8,7 +8,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 

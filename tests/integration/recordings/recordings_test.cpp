@@ -1,10 +1,8 @@
-// What people's EMG and a real arm must give when they pass through the whole loop. Bounds are set from what
+// Results of people's EMG and a real arm in the whole loop. Bounds are set from what
 // was measured, stated at each, with room for filters and calibration to be chosen otherwise but not for a
 // wrong sign, unit, delay or model.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <string>
 
@@ -12,28 +10,22 @@
 
 #include "firmware_app/files/csv_table.hpp"
 #include "tests/support/paths.hpp"
-#include "tools/bench/recordings/emg_study.hpp"
-#include "tools/bench/recordings/pendulum_study.hpp"
+#include "tests/support/scratch_folder.hpp"
+#include "tools/studies/recordings/emg_study.hpp"
+#include "tools/studies/recordings/pendulum_study.hpp"
 
-using namespace patella::bench;
+using namespace patella::study;
 
 namespace {
 
 /// A fresh folder that goes with its runs.
 class RunFolders {
  public:
-  RunFolders() {
-    std::string name = (std::filesystem::temp_directory_path() / "patella-recordings-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folders_ = {.data = PATELLA_DATA_DIR, .project = PATELLA_SOURCE_DIR, .out = name};
-  }
-  ~RunFolders() { std::filesystem::remove_all(folders_.out); }
-  RunFolders(const RunFolders&) = delete;
-  RunFolders& operator=(const RunFolders&) = delete;
   const Folders& get() const noexcept { return folders_; }
 
  private:
-  Folders folders_;
+  patella::test::ScratchFolder out_;
+  Folders folders_{.data = PATELLA_DATA_DIR, .project = PATELLA_SOURCE_DIR, .out = out_.path()};
 };
 
 double medianLead(const EmgStudy& study) {
@@ -106,7 +98,7 @@ TEST_CASE("the sampler finds in a real arm what inverse dynamics find offline") 
       CHECK(c.rms_loop_Nm == doctest::Approx(c.rms_offline_Nm).epsilon(0.08));
       // Measured 38 to 42 ms where the filters promise 40.8.
       CHECK(std::abs(c.measured_delay_s - study.delay_s) < 0.005);
-      // What opposes motion is the published Coulomb friction and up to as much again of what grows with
+      // The torque against motion is the published Coulomb friction and up to as much again that grows with
       // load.
       CHECK(c.friction_loop_Nm == doctest::Approx(c.friction_offline_Nm).epsilon(0.12));
       CHECK(c.friction_loop_Nm > 0.9 * kPublishedCoulomb_Nm[joint]);

@@ -7,10 +7,10 @@
 
 #include <doctest/doctest.h>
 
-#include "tools/bench/recordings/onset.hpp"
+#include "tools/studies/recordings/onset.hpp"
 
 using namespace patella::offline;
-using namespace patella::bench;
+using namespace patella::study;
 
 namespace {
 

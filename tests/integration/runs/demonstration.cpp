@@ -4,6 +4,12 @@
 #include <random>
 
 #include "core/bounds/bounds.hpp"
+#include "drivers/can/command_encoder.hpp"
+#include "drivers/can/measurement_decoder.hpp"
+#include "drivers/clock/clock.hpp"
+#include "drivers/gpio/pins.hpp"
+#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tests/support/paths.hpp"
 
@@ -64,11 +70,18 @@ app::LoopStatistics runInLockStep(const app::RunConfig& config, bool allocating)
   gpio::SimulatedPins pins;
   can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
   can::CommandEncoder encoder(config.bus.database, config.bus.commands, config.model.joints());
-  app::Loop loop(config.loop, clock, allocating ? static_cast<can::Bus&>(allocating_bus) : bus, pins, decoder,
-                 encoder, *tick, nullptr);
+  app::RunAccount account({.warmup_ticks = config.warmup_ticks});
+  app::Loop loop({.options = config.loop,
+                  .clock = clock,
+                  .bus = allocating ? static_cast<can::Bus&>(allocating_bus) : bus,
+                  .pins = pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   const std::atomic<bool> stop{false};
   loop.run(stop);
-  return loop.statistics();
+  return account.statistics();
 }
 
 }  // namespace patella::test

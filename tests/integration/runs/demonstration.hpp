@@ -1,4 +1,4 @@
-// What tests of whole runs share: the demonstration's configuration, weights for it, and a bus that does what
+// Parts that tests of whole runs share: the demonstration's configuration, weights, and a bus that does what
 // a loop must not.
 #pragma once
 
@@ -8,7 +8,8 @@
 
 #include "drivers/can/bus.hpp"
 #include "firmware_app/configuration/run_config.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "firmware_app/recorder/loop_statistics.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace patella::test {
 

@@ -1,4 +1,4 @@
-// What happens to the loop's machine: neither a full disk nor memory that is short takes torque away or gives
+// Faults of the loop's machine: neither a full disk nor memory that is short takes torque away or gives
 // any.
 #include <filesystem>
 #include <fstream>
@@ -45,7 +45,7 @@ TEST_CASE("a disk that is full ends the recording, with words and status, and no
   CHECK(holds(summary, "\"final_state\": \"active\""));
   CHECK(holds(summary, "\"recording_failed\""));
 
-  // What had been written is a log cut somewhere.
+  // The written part is a log cut somewhere.
   CHECK(wait(start({"--clock", "virtual", "--backend", "replay:" + (run / "frames.log").string(), "--out",
                     (folder.path() / "replay").string()},
                    folder.path() / "again")) == 0);

@@ -1,4 +1,4 @@
-// What a run leaves behind that is killed without warning, at any instant, can be read, and the program says
+// The files of a run that is killed without warning, at any instant, can be read, and the program says
 // where it ends.
 #include <algorithm>
 #include <chrono>

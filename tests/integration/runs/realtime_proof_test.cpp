@@ -1,8 +1,9 @@
-// What the loop thread does to heap and memory, with controls that show that the instruments work.
+// Heap operations and page faults of the loop thread, with controls that show that the instruments work.
 #include <Eigen/Core>
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "drivers/clock/clock.hpp"
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"

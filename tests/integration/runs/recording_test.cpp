@@ -1,4 +1,4 @@
-// What a run says of its own recording: room, lost records, files that are not what they were.
+// Reports of a run on its own recording: room, lost records, files that have changed.
 #include <fstream>
 #include <limits>
 #include <thread>

@@ -17,7 +17,7 @@
 #include <utmp.h>
 
 #include "tests/integration/runs/loop_process.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -125,9 +125,9 @@ struct Program {
   }
 };
 
-/// What a shell does: the program gets a process group of its own, in the terminal's foreground or not, and
-/// the shell, from here on the process itself, waits for it. Without a shell nobody could be asked to take a
-/// stopped process on again, and the kernel would not stop it.
+/// Starts as a shell does: the program gets a process group of its own, in the terminal's foreground or not,
+/// and the shell, from here on the process itself, waits for it. Without a shell nobody could be asked to
+/// take a stopped process on again, and the kernel would not stop it.
 void throughShell(const Terminal& terminal, bool in_foreground) {
   login_tty(terminal.slave);
   const pid_t program = fork();

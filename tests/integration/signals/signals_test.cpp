@@ -145,7 +145,7 @@ std::string documentRow(const SignalRow& row, const std::map<int, Outcome>& outc
          text_ms(slowest.line_low_ms) + " | " + text_ms(slowest.first_zero_ms) + " | " + then + " |";
 }
 
-/// What does not depend on the machine: all cells but the three that were measured.
+/// Cells that do not depend on the machine: all but the three that were measured.
 std::string invariant(const std::string& row) {
   std::vector<std::string> cells;
   std::size_t from = 0;

@@ -20,6 +20,7 @@
 #include "firmware_app/loop/loop_thread.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/signal_reactions.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/rig_thread.hpp"
 #include "tests/support/fresh_signals.hpp"
 #include "tests/support/paths.hpp"
@@ -176,7 +177,15 @@ int runLoop(Ledger& ledger) {
   can::MeasurementDecoder decoder = app::makeDecoder(config);
   can::CommandEncoder encoder = app::makeEncoder(config);
   const auto tick = app::makeTick(config);
-  app::Loop loop(config.loop, loop_clock, bus, pins, decoder, encoder, *tick, nullptr);
+  app::RunAccount account;
+  app::Loop loop({.options = config.loop,
+                  .clock = loop_clock,
+                  .bus = bus,
+                  .pins = pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   const SignalStack stack;
   const SignalStack::InUse in_use(stack);
   app::WatchdogOptions options = config.watchdog;
@@ -186,7 +195,7 @@ int runLoop(Ledger& ledger) {
   loop.watchedBy(watchdog);
   const app::EmergencyExit exit(pins, bus, encoder, clock, config.model.joints());
   app::runOnThread(loop, config.realtime, g_stop, [&ledger] { fallAt(ledger, Place::kMain); });
-  return loop.statistics().final_state == safety::State::kActive ? 0 : 3;
+  return account.statistics().final_state == safety::State::kActive ? 0 : 3;
 }
 
 [[noreturn]] void live(Ledger& ledger, const RunOptions& options) noexcept {

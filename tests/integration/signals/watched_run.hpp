@@ -51,7 +51,7 @@ struct RunOptions {
   bool first_process = false;     ///< of a PID namespace, as in a container
 };
 
-/// What was seen from the instant of a signal on. Times in ms after it; negative where there was no such.
+/// Observations from the instant of a signal on. Times in ms after it; negative where there was none.
 /// Commands are counted as well: a host that stands still delays a time, and adds no command.
 struct Aftermath {
   double torque_until_ms = -1.0;  ///< last command that was not zero

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/csv_table.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 using namespace patella::bench;

@@ -122,7 +122,7 @@ TEST_CASE("a sliding mass stops where its energy is used up, and stays") {
   Plant plant(cart(2.0), effects, kNobody, {0.0, 0.0}, {1.5, 0.0});
   run(plant, 2.0);
   CHECK(plant.position()[0] == doctest::Approx(2.0 * 1.5 * 1.5 / (2.0 * 4.0)).epsilon(1e-4));
-  // What is left is the rounding of one step.
+  // The rest is the rounding of one step.
   CHECK(std::abs(plant.velocity()[0]) < 1e-15);
 }
 

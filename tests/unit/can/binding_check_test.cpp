@@ -1,4 +1,4 @@
-// What a typist gets wrong in a bus map, and what of it is refused.
+// Typing errors in a bus map, and which of them are refused.
 #include "drivers/can/binding_check.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What frames that are in order become: inputs in SI units, and the reports of a tick.
+// Frames that are in order become inputs in SI units, and the reports of a tick.
 #include "drivers/can/measurement_decoder.hpp"
 
 #include <doctest/doctest.h>

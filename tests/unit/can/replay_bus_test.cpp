@@ -69,7 +69,7 @@ TEST_CASE("the loop's farewell at the end of a log closes no tick") {
 
   const test::TemporaryFile complete(own + farewell);
   CHECK(ReplayBus(complete.path(), options).recordedCommands() == 2);
-  // What a killed loop leaves has no farewell, and its last ticks are ticks.
+  // The log of a killed loop has no farewell, and its last ticks are ticks.
   const test::TemporaryFile killed(own);
   CHECK(ReplayBus(killed.path(), options).recordedCommands() == 2);
   const test::TemporaryFile without_option(own + farewell);

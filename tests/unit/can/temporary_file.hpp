@@ -3,34 +3,20 @@
 
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
-#include <string>
 #include <string_view>
 
-#include <stdlib.h>
-#include <unistd.h>
+#include "drivers/files/temporary_folder.hpp"
 
 namespace patella::can::test {
 
 class TemporaryFile {
  public:
-  explicit TemporaryFile(std::string_view content) {
-    std::string pattern = (std::filesystem::temp_directory_path() / "patella_can_XXXXXX").string();
-    const int fd = mkstemp(pattern.data());
-    if (fd < 0)
-      throw std::runtime_error("no temporary file");
-    close(fd);
-    path_ = pattern;
-    std::ofstream(path_, std::ios::binary) << content;
-  }
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
+  explicit TemporaryFile(std::string_view content) { std::ofstream(path_, std::ios::binary) << content; }
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path path_;
+  files::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "file";
 };
 
 }  // namespace patella::can::test

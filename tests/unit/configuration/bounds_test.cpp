@@ -16,14 +16,15 @@
 
 #include "core/model/effect.hpp"
 #include "firmware_app/commands/bounds_command.hpp"
+#include "firmware_app/commands/key_reference.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/configuration/bound_carriers.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -60,17 +61,22 @@ void assign(toml::table& table, std::string_view key, Number value) {
   }
 }
 
-/// The carrier's text with another value, or empty where it does not hold the row's key.
-std::string changed(const Carrier& carrier, const Bound& bound, double value) {
+/// The table of `root`, a carrier's file, that holds the row's key; null where none does.
+toml::table* holderOf(toml::table& root, const Bound& bound) {
   const std::size_t bracket = bound.name.find(" (");
-  toml::table root = toml::parse(carrier.text);
   if (bracket != std::string_view::npos) {
     const std::string_view kind = bound.name.substr(bracket + 2, bound.name.size() - bracket - 3);
     if (root["mechanism"]["kind"].value_or(std::string_view()) != kind) {
-      return "";
+      return nullptr;
     }
   }
-  toml::table* holder = holderOf(root, bound.name.substr(0, bracket));
+  return holderOf(root, bound.name.substr(0, bracket));
+}
+
+/// The carrier's text with another value, or empty where it does not hold the row's key.
+std::string changed(const Carrier& carrier, const Bound& bound, double value) {
+  toml::table root = toml::parse(carrier.text);
+  toml::table* holder = holderOf(root, bound);
   if (holder == nullptr) {
     return "";
   }
@@ -82,6 +88,28 @@ std::string changed(const Carrier& carrier, const Bound& bound, double value) {
   std::ostringstream text;
   text << root;
   return text.str();
+}
+
+/// The carrier's text without the key, or empty where it does not hold it.
+std::string without(const Carrier& carrier, const Bound& bound) {
+  toml::table root = toml::parse(carrier.text);
+  toml::table* holder = holderOf(root, bound);
+  if (holder == nullptr) {
+    return "";
+  }
+  holder->erase(bound.key());
+  std::ostringstream text;
+  text << root;
+  return text.str();
+}
+
+std::string outcome(FileKind kind, const std::string& text, const std::filesystem::path& folder) {
+  try {
+    load(kind, text, folder);
+    return "accepted";
+  } catch (const std::exception& error) {
+    return error.what();
+  }
 }
 
 struct Found {
@@ -102,12 +130,7 @@ Found fileWith(const Bound& bound, double value) {
 std::string outcome(const Bound& bound, double value) {
   static const ScratchFolder folder;
   const Found file = fileWith(bound, value);
-  try {
-    load(file.kind, file.text, folder.path());
-    return "accepted";
-  } catch (const std::exception& error) {
-    return error.what();
-  }
+  return outcome(file.kind, file.text, folder.path());
 }
 
 std::string shown(const Bound& bound, double value) {
@@ -315,8 +338,37 @@ TEST_CASE("a bus map that says nothing of positions bounds them all the same") {
   CHECK(map.position_jump_rad == doctest::Approx(0.12));  // 120 rad/s over 1 ms
 }
 
+TEST_CASE(
+    "every number has a meaning and a default in the reference, and a default means that the key may be left "
+    "out") {
+  static const ScratchFolder folder;
+  std::map<std::string_view, app::KeyDescription> described;
+  for (const app::KeyDescription& key : app::numberKeys()) {
+    CHECK(described.emplace(key.name, key).second);
+  }
+  for (const BoundGroup& group : kBoundGroups) {
+    for (const Bound& bound : group.rows) {
+      CAPTURE(bound.name);
+      REQUIRE(described.contains(bound.name));
+      CHECK_FALSE(described.at(bound.name).meaning.empty());
+      if (group.title == "Weights: metadata") {
+        continue;  // the carrier's other metadata stand in; unit_weights has what is missing
+      }
+      const bool required = described.at(bound.name).fallback.find("required") != std::string::npos;
+      bool refused = false;
+      for (const Carrier& carrier : carriers()) {
+        if (const std::string text = without(carrier, bound); !text.empty()) {
+          const std::string message = outcome(carrier.kind, text, folder.path());
+          refused = refused || message.find(bound.key()) != std::string::npos;
+        }
+      }
+      CHECK(refused == required);
+    }
+  }
+}
+
 TEST_CASE("the document is what patella bounds prints") {
-  const auto path = std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/configuration_bounds.md";
+  const auto path = std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/configuration.md";
   CHECK_MESSAGE(app::readFile(path) == app::boundsDocument(),
-                "docs/configuration_bounds.md is out of date: patella bounds > docs/configuration_bounds.md");
+                "docs/configuration.md is out of date: patella bounds > docs/configuration.md");
 }

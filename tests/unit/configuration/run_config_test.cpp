@@ -1,4 +1,4 @@
-// What a run is told, and who wins. Malformed input is the matter of tests/integration/malformed.
+// Configuration of a run, by file and by command line. tests/integration/malformed has malformed input.
 #include "firmware_app/configuration/run_config.hpp"
 
 #include <stdexcept>

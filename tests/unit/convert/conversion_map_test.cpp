@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/file_error.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::convert;

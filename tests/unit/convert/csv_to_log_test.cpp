@@ -6,8 +6,8 @@
 
 #include "drivers/can/message_codec.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::convert;

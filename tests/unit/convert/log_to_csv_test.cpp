@@ -5,8 +5,8 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/csv_table.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 #include "tools/convert/csv_to_log.hpp"
 
 using namespace patella;

@@ -10,8 +10,8 @@
 #include "drivers/can/message_codec.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
 #include "tools/convert/csv_to_log.hpp"
 
 using namespace patella;
@@ -54,7 +54,7 @@ model::PlanarTwoLink publishedArm() {
                                                  0.05086984812807257 - kMass2 * kCom2 * kCom2}});
 }
 
-/// What remains, rms in J, of work minus gained energy after the best Coulomb friction is taken away.
+/// Rest, rms in J, of work minus gained energy after the best Coulomb friction is taken away.
 double energyImbalance(const std::vector<can::Frame>& frames, double hip_offset_rad, double torque_sign) {
   const model::PlanarTwoLink arm = publishedArm();
   const auto q1 = signalOf(frames, "Encoder1", "Position");

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tests/unit/diagnose/recordings.hpp"
 
 using namespace patella;
@@ -22,7 +22,7 @@ TEST_CASE("an offset between the nodes gives what the mechanism there gives") {
   const Dataset data(std::array{recording}, DatasetOptions{});
   const model::PlanarTwoLinkParameters leg{
       .mass_kg = {8.0, 4.0}, .length_m = {0.4, 0.45}, .com_m = {0.18, 0.2}, .inertia_kg_m2 = {0.1, 0.06}};
-  const model::DynamicsModel dynamics = app::makeModel({.mechanism = leg, .effects = {}});
+  const model::DynamicsModel dynamics = model::makeModel({.mechanism = leg, .effects = {}});
   const Eigen::MatrixXd unshifted = data.regressor(dynamics.mechanism(), JointVector::Zero(2));
   for (const int joint : {0, 1}) {
     const AngleShift shift(data, dynamics.mechanism(), joint);

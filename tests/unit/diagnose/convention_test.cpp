@@ -1,4 +1,4 @@
-// What the judgement of conventions promises: each changes states as its words say, the right one explains a
+// Promises of the judgement of conventions: each changes states as its words say, the right one explains a
 // recording that was made with it, and none is found in a recording that the model explains.
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-app::ModelDescription arm() {
+model::ModelDescription arm() {
   return {.mechanism = model::PlanarTwoLinkParameters{.mass_kg = {0.6, 0.5},
                                                       .length_m = {0.2, 0.25},
                                                       .com_m = {0.15, 0.2},
@@ -31,7 +31,7 @@ app::ModelDescription arm() {
 // An arm that swings below its shoulder, both joints with some dry friction.
 Recording swinging() {
   constexpr double kRate_Hz = 200.0, kFriction_Nm = 0.05;
-  const model::DynamicsModel dynamics = app::makeModel(arm());
+  const model::DynamicsModel dynamics = model::makeModel(arm());
   Recording recording;
   recording.name = "arm.csv";
   recording.rate_Hz = kRate_Hz;

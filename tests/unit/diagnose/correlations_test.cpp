@@ -14,9 +14,9 @@ TEST_CASE(
     "correlations are those of the named parameters, and what a recording does not determine is left out") {
   ModelFit fit;
   fit.mechanism = {0.0};
-  for (const app::EffectDescription& effect :
-       {app::EffectDescription{.kind = "coulomb_friction", .joint = 0, .parameters = {2.0, 0.05}},
-        app::EffectDescription{.kind = "torque_bias", .joint = 1, .parameters = {-0.5}}}) {
+  for (const model::EffectDescription& effect :
+       {model::EffectDescription{.kind = "coulomb_friction", .joint = 0, .parameters = {2.0, 0.05}},
+        model::EffectDescription{.kind = "torque_bias", .joint = 1, .parameters = {-0.5}}}) {
     fit.offset.push_back(static_cast<Eigen::Index>(1 + fit.terms.size()));
     fit.terms.push_back({.recipe = declaredRecipe(effect),
                          .c = {1.0},

@@ -37,7 +37,7 @@ TEST_CASE("what noise explains is not structure") {
 
 TEST_CASE("a joint without a drive is measured against its load") {
   Recording recording = swinging(40.0, 0.0, [](const Motion&) { return 0.0; });
-  const model::DynamicsModel model = app::makeModel(pendulum());
+  const model::DynamicsModel model = model::makeModel(pendulum());
   const auto torqueOf = [&] {
     const Dataset data(std::span(&recording, 1), {});
     return jointRests(data, model.mechanism(), Column::Zero(data.rows()), std::array{0.0}).at(0).torque_Nm;

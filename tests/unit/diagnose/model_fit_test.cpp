@@ -1,4 +1,4 @@
-// What a fit may make of a mechanism.
+// Limits of a fit of a mechanism.
 #include "tools/diagnose/fit/model_fit.hpp"
 
 #include <array>
@@ -25,13 +25,13 @@ TEST_CASE("a fit goes no further than a model file may, so that what it finds ca
       recording.torque_Nm[0][i] = true_inertia_kg_m2 * ddq + kMoment_kg_m * 9.81 * std::cos(q);
     }
     const Dataset data(std::array{recording}, DatasetOptions{});
-    const app::ModelDescription nominal{
+    const model::ModelDescription nominal{
         .mechanism =
             model::RevoluteJointParameters{
                 .inertia_kg_m2 = 0.9 * kHighest_kg_m2, .moment_kg_m = kMoment_kg_m, .length_m = 0.4},
         .effects = {}};
     ModelFitter fitter(data, nominal, FitOptions{});
-    const app::ModelDescription found = fitter.describe(fitter.nominal());
+    const model::ModelDescription found = fitter.describe(fitter.nominal());
     CHECK_NOTHROW(app::parseModel(app::modelText(found), "model.extended.toml"));
     return std::get<model::RevoluteJointParameters>(found.mechanism).inertia_kg_m2;
   };

@@ -1,4 +1,4 @@
-// What a recording would have revealed.
+// Sizes of effects that a recording would have revealed.
 #include "tools/diagnose/verdict/power.hpp"
 
 #include <array>
@@ -18,7 +18,7 @@ using namespace patella::diagnose;
 namespace {
 
 constexpr double kThreshold = 16.0;
-const app::ModelDescription kModel{
+const model::ModelDescription kModel{
     .mechanism = model::RevoluteJointParameters{.inertia_kg_m2 = 0.4, .moment_kg_m = 0.5, .length_m = 0.4},
     .effects = {}};
 
@@ -76,7 +76,8 @@ TEST_CASE("what nothing explains has to be outweighed") {
   const Detectable shape{.in_noise = 0.1, .own_share = 0.5, .unit_Nm = 1.0};
   const double above_chance = 0.1 * (1.0 + kFourInFive / 4.0) * 2.0;
   CHECK(smallestTorque_Nm(shape, kThreshold, 2.0, 0.0) == doctest::Approx(above_chance));
-  CHECK(smallestTorque_Nm(shape, kThreshold, 2.0, 3.0) == doctest::Approx(kOverRest * 3.0 / 0.5));
+  CHECK(smallestTorque_Nm(shape, kThreshold, 2.0, 3.0) ==
+        doctest::Approx((kOverRest + kFourInFive / std::sqrt(kLooks)) * 3.0 / 0.5));
 }
 
 TEST_CASE("a torque of no shape of its own is never revealed") {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kInertia_kg_m2 = 0.4;
 constexpr double kMoment_kg_m = 0.5;
-const app::ModelDescription kModel{
+const model::ModelDescription kModel{
     .mechanism =
         model::RevoluteJointParameters{
             .inertia_kg_m2 = kInertia_kg_m2, .moment_kg_m = kMoment_kg_m, .length_m = 0.4},
@@ -67,7 +67,7 @@ TEST_CASE("what drives the effects of data that were not fitted does not follow 
   TorquePrediction(train, kModel, {}).predict(heldout);
   CHECK(rms(predictedTorque(heldout) - train.driveTorque()) < 0.02 * rms(train.driveTorque()));
 
-  const model::DynamicsModel bare = app::makeModel(kModel);
+  const model::DynamicsModel bare = model::makeModel(kModel);
   constexpr double kCoefficient = 0.1, kSmoothing_rad_s = 0.01;
   const auto friction = model::makeEffect("load_dependent_friction", 0, bare.mechanism(),
                                           std::array{kCoefficient, kSmoothing_rad_s});

@@ -48,7 +48,7 @@ TEST_CASE("what multiplies or shifts the mechanism's own torque is measured thou
     CHECK(found.parameters.front().ci95[0] < truth);
     CHECK(found.parameters.front().ci95[1] > truth);
 
-    // What was found is declared now: it is neither missing nor counted twice.
+    // The found effect is declared now: it is neither missing nor counted twice.
     Case declared = drawn;
     declared.nominal = diagnosis.extended;
     const diagnose::Diagnosis again = diagnosed(declared);

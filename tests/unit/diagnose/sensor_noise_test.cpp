@@ -15,7 +15,7 @@ namespace {
 constexpr double kBand_Hz = 10.0;
 
 double noiseOf(const Recording& recording) {
-  return sensorNoise_Nm(std::span(&recording, 1), app::makeModel(pendulum()).mechanism(), kBand_Hz).at(0);
+  return sensorNoise_Nm(std::span(&recording, 1), model::makeModel(pendulum()).mechanism(), kBand_Hz).at(0);
 }
 
 Recording withEncoderNoise(double noise_rad) {

@@ -23,7 +23,7 @@ TEST_CASE("the true model moves as the machine did, another one strays, and both
   }
   const Dataset data(std::array{recording}, DatasetOptions{});
   const auto simulated = [&](double inertia_kg_m2) {
-    const app::ModelDescription model{
+    const model::ModelDescription model{
         .mechanism =
             model::RevoluteJointParameters{
                 .inertia_kg_m2 = inertia_kg_m2, .moment_kg_m = 0.0, .length_m = 0.4},

@@ -12,7 +12,7 @@ using diagnose::TorqueTiming;
 
 namespace {
 
-/// What acted at each sample in the place of what was commanded there.
+/// The acting torque at each sample, in place of the commanded one.
 Recording asItActed(Recording recording) {
   for (std::vector<double>& torque : recording.torque_Nm) {
     for (std::size_t i = torque.size(); i-- > 1;) {
@@ -22,7 +22,7 @@ Recording asItActed(Recording recording) {
   return recording;
 }
 
-TorqueTiming timingOf(const Recording& recording, const app::ModelDescription& model) {
+TorqueTiming timingOf(const Recording& recording, const model::ModelDescription& model) {
   return diagnose::withTorqueTiming(std::span(&recording, 1), model).front().torque_timing;
 }
 

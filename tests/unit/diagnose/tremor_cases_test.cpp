@@ -1,4 +1,4 @@
-// What is a tremor and what only looks like one, on simulated rigs that share no dynamics with the model.
+// Tremors, and motions that look like one, on simulated rigs that share no dynamics with the model.
 #include <cstdint>
 
 #include <doctest/doctest.h>

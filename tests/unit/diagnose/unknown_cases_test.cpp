@@ -1,4 +1,4 @@
-// What no effect of the library explains, on simulated rigs that share no dynamics with the model.
+// Torque that no effect of the library explains, on simulated rigs that share no dynamics with the model.
 #include <array>
 #include <cstdint>
 #include <utility>

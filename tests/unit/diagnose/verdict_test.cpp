@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tools/diagnose/verdict/findings.hpp"
+
 using namespace patella::diagnose;
 
 namespace {
@@ -77,7 +79,7 @@ TEST_CASE("a diagnosis says what decided, and what a found effect leaves") {
 TEST_CASE("effects that explain less than what nothing explains are not asserted") {
   Diagnosis diagnosis;
   diagnosis.effects.emplace_back();
-  diagnosis.effects.back().outweighed = true;
+  diagnosis.effects.back().not_asserted_because = kOutweighedWords;
   diagnosis.doubts = {doubt(Doubt::kOutweighed)};
   settle(diagnosis, 0.1);
   CHECK(diagnosis.verdict == Verdict::kUnknownEffect);

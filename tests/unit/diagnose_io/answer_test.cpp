@@ -1,4 +1,4 @@
-// What the console shows.
+// The answer on the console.
 #include "tools/diagnose/output/answer.hpp"
 
 #include <algorithm>

@@ -37,7 +37,7 @@ TEST_CASE("every physical parameter of the library has words") {
       CAPTURE(parameter.name);
       const ParameterName name = splitName(parameter.name);
       CHECK_FALSE(name.words.empty());
-      // What looks like a unit has been understood as one.
+      // Text that looks like a unit has been understood as one.
       for (const char* left : {" Nm", " rad", " kg", " Hz", " s"}) {
         CHECK_FALSE(name.words.ends_with(left));
       }

@@ -1,4 +1,4 @@
-// What a reader is told to look at twice.
+// Numbers that a reader is told to look at twice.
 #include "tools/diagnose/verdict/runaways.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using namespace patella::diagnose;
 
 namespace {
 
-std::vector<Runaway> of(const Diagnosis& diagnosis, const app::ModelDescription& given = {}) {
+std::vector<Runaway> of(const Diagnosis& diagnosis, const model::ModelDescription& given = {}) {
   return runawaysOf(diagnosis, given, FitOptions{});
 }
 
@@ -26,7 +26,7 @@ Diagnosis withLevel(const ParameterEstimate& level) {
 }
 
 /// The made-up diagnosis, of a model that declared this.
-std::vector<Runaway> declaring(const app::EffectDescription& effect) {
+std::vector<Runaway> declaring(const model::EffectDescription& effect) {
   const Diagnosis diagnosis = test::madeUpDiagnosis();
   return of(diagnosis, {.mechanism = diagnosis.extended.mechanism, .effects = {effect}});
 }

@@ -9,7 +9,7 @@
 
 using namespace patella;
 using namespace patella::estimation;
-using bench::Experiment;
+using sim::PaperExperiment;
 
 TEST_CASE("the estimate is true to the millirad/s² in both experiments") {
   struct Requirement {
@@ -20,7 +20,7 @@ TEST_CASE("the estimate is true to the millirad/s² in both experiments") {
                                       {1000.0, 1e-3, 5e-3, 50.0},
                                       {2000.0, 2.5e-4, 1.25e-3, 20.0},
                                       {10000.0, 1e-5, 5e-5, 5.0}}) {
-    for (const Experiment experiment : {Experiment::kFirst, Experiment::kSecond}) {
+    for (const PaperExperiment experiment : {PaperExperiment::kFirst, PaperExperiment::kSecond}) {
       CAPTURE(required.rate_Hz);
       const auto samples = runPaperExperiment(experiment, required.rate_Hz, required.seconds, 1);
       ImplicitSampler sampler({});
@@ -34,7 +34,7 @@ TEST_CASE("the estimate is true to the millirad/s² in both experiments") {
 
 TEST_CASE("the requirement does not hang on one torque signal") {
   for (const std::uint64_t seed : {2U, 3U, 4U}) {
-    const auto samples = runPaperExperiment(Experiment::kFirst, 1000.0, 20.0, seed);
+    const auto samples = runPaperExperiment(PaperExperiment::kFirst, 1000.0, 20.0, seed);
     ImplicitSampler sampler({});
     const test::Error error = test::errorOf(sampler, samples, 0.1);
     CHECK(error.mean.maxCoeff() <= 1e-3);
@@ -44,8 +44,10 @@ TEST_CASE("the requirement does not hang on one torque signal") {
 
 TEST_CASE("halving the step quarters the error") {
   ImplicitSampler sampler({});
-  const auto coarse = test::errorOf(sampler, runPaperExperiment(Experiment::kSecond, 1000.0, 10.0, 1), 0.1);
-  const auto fine = test::errorOf(sampler, runPaperExperiment(Experiment::kSecond, 2000.0, 10.0, 1), 0.1);
+  const auto coarse =
+      test::errorOf(sampler, runPaperExperiment(PaperExperiment::kSecond, 1000.0, 10.0, 1), 0.1);
+  const auto fine =
+      test::errorOf(sampler, runPaperExperiment(PaperExperiment::kSecond, 2000.0, 10.0, 1), 0.1);
   for (int joint = 0; joint < 2; ++joint) {
     CHECK(coarse.mean[joint] / fine.mean[joint] == doctest::Approx(4.0).epsilon(0.1));
   }
@@ -57,7 +59,7 @@ TEST_CASE("from psi = 1 psi reaches zero, exactly, after some 15 ms and stays th
   };
   // ln(1 + k_d / delta) / k_d = 15.4 ms for short steps; at k_d dt = 0.3 the implicit step is slower.
   for (const Case& expected : {Case{10000.0, 0.013, 0.016}, {1000.0, 0.015, 0.018}}) {
-    const auto samples = runPaperExperiment(Experiment::kFirst, expected.rate_Hz, 0.5, 1);
+    const auto samples = runPaperExperiment(PaperExperiment::kFirst, expected.rate_Hz, 0.5, 1);
     const model::DynamicsModel model = makeModel(model::paperLeg());
     ImplicitSampler sampler({});
     sampler.reset(test::observerInput(model, samples.front(), 0.0), JointVector::Ones(2));
@@ -145,7 +147,7 @@ TEST_CASE("the sampler is stable for every k_d dt up to 10 and converges no matt
 
 TEST_CASE("large steps keep the estimate of the moving leg bounded") {
   // k_d dt from 0.6 to 10 at 1 kHz.
-  const auto samples = runPaperExperiment(Experiment::kFirst, 1000.0, 10.0, 1);
+  const auto samples = runPaperExperiment(PaperExperiment::kFirst, 1000.0, 10.0, 1);
   for (const double k_d : {600.0, 2000.0, 5000.0, 10000.0}) {
     ImplicitSampler sampler({.k_d = k_d});
     CHECK(test::errorOf(sampler, samples, 0.1).maximum.maxCoeff() <= 5e-3);
@@ -153,7 +155,7 @@ TEST_CASE("large steps keep the estimate of the moving leg bounded") {
 }
 
 TEST_CASE("reset forgets what was before") {
-  const auto samples = runPaperExperiment(Experiment::kSecond, 1000.0, 2.0, 1);
+  const auto samples = runPaperExperiment(PaperExperiment::kSecond, 1000.0, 2.0, 1);
   ImplicitSampler used({});
   ImplicitSampler fresh({});
   const model::DynamicsModel model = makeModel(model::paperLeg());

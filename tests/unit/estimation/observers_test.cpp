@@ -1,4 +1,4 @@
-// What every observer owes, whatever its method: it finds a constant torque, follows a step and a sine,
+// Duties of every observer, whatever its method: it finds a constant torque, follows a step and a sine,
 // forgets at reset, shows what is no number, and leaves the heap alone (heap_test.cpp).
 #include <cmath>
 #include <limits>

@@ -9,10 +9,10 @@
 
 using namespace patella;
 using namespace patella::estimation;
-using bench::Experiment;
+using sim::PaperExperiment;
 
 TEST_CASE("the printed form chatters: a hundred times worse than the implicit one at least") {
-  for (const Experiment experiment : {Experiment::kFirst, Experiment::kSecond}) {
+  for (const PaperExperiment experiment : {PaperExperiment::kFirst, PaperExperiment::kSecond}) {
     const auto samples = runPaperExperiment(experiment, 1000.0, 20.0, 1);
     PrintedSampler printed({.delta = 0.1});
     ImplicitSampler implicit({});
@@ -26,7 +26,7 @@ TEST_CASE("the printed form chatters: a hundred times worse than the implicit on
 }
 
 TEST_CASE("the running mean of the printed form is near f_u") {
-  const auto samples = runPaperExperiment(Experiment::kFirst, 10000.0, 5.0, 1);
+  const auto samples = runPaperExperiment(PaperExperiment::kFirst, 10000.0, 5.0, 1);
   const model::DynamicsModel model = makeModel(model::paperLeg());
   PrintedSampler sampler({.delta = 0.1});
   sampler.reset(test::observerInput(model, samples.front(), 0.0));

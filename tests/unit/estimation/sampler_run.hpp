@@ -5,7 +5,7 @@
 
 #include "core/estimation/observer.hpp"
 #include "core/model/presets.hpp"
-#include "tools/bench/sampler/paper_experiment.hpp"
+#include "sim/paper_experiment.hpp"
 
 namespace patella::test {
 
@@ -14,8 +14,8 @@ struct Error {
   Eigen::Vector2d maximum = Eigen::Vector2d::Zero();
 };
 
-inline estimation::ObserverInput observerInput(const model::DynamicsModel& model, const bench::Sample& sample,
-                                               double dt_s) {
+inline estimation::ObserverInput observerInput(const model::DynamicsModel& model,
+                                               const sim::PaperSample& sample, double dt_s) {
   return {.terms = model.evaluate({.q = sample.q, .dq = sample.dq, .torque_Nm = sample.torque_Nm}),
           .q = sample.q,
           .dq = sample.dq,
@@ -25,7 +25,7 @@ inline estimation::ObserverInput observerInput(const model::DynamicsModel& model
 
 /// |f_u − f_s| in the middle of the steps after `settling_s`, of an observer that has been reset at the first
 /// sample.
-inline Error followedError(estimation::Observer& observer, const std::vector<bench::Sample>& samples,
+inline Error followedError(estimation::Observer& observer, const std::vector<sim::PaperSample>& samples,
                            double settling_s) {
   const model::DynamicsModel model = makeModel(model::paperLeg());
   const double dt = samples[1].time_s - samples[0].time_s;
@@ -44,7 +44,7 @@ inline Error followedError(estimation::Observer& observer, const std::vector<ben
   return error;
 }
 
-inline Error errorOf(estimation::Observer& observer, const std::vector<bench::Sample>& samples,
+inline Error errorOf(estimation::Observer& observer, const std::vector<sim::PaperSample>& samples,
                      double settling_s) {
   observer.reset(observerInput(makeModel(model::paperLeg()), samples.front(), 0.0));
   return followedError(observer, samples, settling_s);

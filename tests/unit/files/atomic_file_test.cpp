@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella::app;
 using patella::test::messageOf;

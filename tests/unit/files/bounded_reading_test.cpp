@@ -15,7 +15,7 @@
 #include "firmware_app/files/json_file.hpp"
 #include "firmware_app/files/toml_shape.hpp"
 #include "firmware_app/files/toml_table.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::app;
@@ -151,7 +151,7 @@ TEST_CASE("a quote hides nothing from the scan that the parser would see") {
     CAPTURE(hidden);
     CHECK(tomlRefusal(hidden).find("brackets within brackets") != std::string::npos);
   }
-  // What stands in strings and comments is no bracket.
+  // Brackets in strings and comments do not count.
   CHECK_NOTHROW(TomlDocument::parse("a = \"" + deep + "\" # " + deep + "\nb = '" + deep + "'\nc = '''\n" +
                                         deep + "\n'''\nd = \"\"\"\n" + deep + "\"\"\"\n",
                                     "x.toml"));

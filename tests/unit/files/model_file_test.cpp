@@ -11,10 +11,13 @@
 #include "firmware_app/files/wording.hpp"
 #include "tests/support/joint_pair.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::app;
+using patella::model::EffectDescription;
+using patella::model::MechanismDescription;
+using patella::model::ModelDescription;
 using patella::test::messageOf;
 using patella::test::pair;
 using patella::test::ScratchFolder;
@@ -166,7 +169,7 @@ TEST_CASE("every mechanism and every effect survives writing and reading") {
         effect.parameters.push_back(parameter.initial);
       }
       try {
-        makeModel({.mechanism = mechanism, .effects = {effect}});
+        model::makeModel({.mechanism = mechanism, .effects = {effect}});
       } catch (const std::invalid_argument&) {
         continue;  // not every effect fits every mechanism
       }

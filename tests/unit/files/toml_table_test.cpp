@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella::app;
 using patella::test::messageOf;

@@ -35,7 +35,7 @@ FakeChip& chip();
 /// A fresh chip.
 void resetChip();
 
-// What both versions' functions do.
+// The functions of both versions.
 bool claim(unsigned line, bool output);
 void release(unsigned line);
 int readLevel(unsigned line);

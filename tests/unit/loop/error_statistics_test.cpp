@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/loop_statistics.hpp"
 
 using patella::JointVector;
 using patella::app::ErrorStatistics;

@@ -1,5 +1,5 @@
 // The distribution that timing is reported from, held against the sorted durations themselves.
-#include "firmware_app/loop/latency_histogram.hpp"
+#include "firmware_app/recorder/latency_histogram.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -126,7 +126,7 @@ class EndedRun : public SimulatedRun {
   std::size_t frames_before_ = 0;
 };
 
-/// What a loop in a process of its own does after the signal; `prepare` says where it is caught.
+/// Behaviour of a loop in a process of its own after the signal; `prepare` says where it is caught.
 Afterwards afterSignal(const std::function<void(EndedRun&)>& prepare) {
   std::array<int, 2> ends{};
   REQUIRE(pipe(ends.data()) == 0);

@@ -15,6 +15,7 @@
 #include "drivers/gpio/pins.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tests/support/paths.hpp"
 
@@ -122,7 +123,7 @@ class SimulatedRun {
         encoder_(makeEncoder(config_)),
         tick_(makeTick(config_)),
         bus(*rig_, clock, [this](int tick) { atTick(tick); }) {
-    // What is noted down in the loop must not touch the heap there.
+    // Notes taken in the loop must not touch the heap there.
     bus.tried.reserve(kLongestRun);
     drive_enable_.reserve(kLongestRun);
   }
@@ -132,13 +133,21 @@ class SimulatedRun {
 
   const LoopStatistics& run(std::uint64_t ticks) {
     config_.loop.max_ticks = ticks;
-    loop_ = std::make_unique<Loop>(config_.loop, clock, bus, loop_pins, decoder_, encoder_, *tick_, nullptr);
+    account_.emplace();
+    loop_ = std::make_unique<Loop>(LoopParts{.options = config_.loop,
+                                             .clock = clock,
+                                             .bus = bus,
+                                             .pins = loop_pins,
+                                             .decoder = decoder_,
+                                             .encoder = encoder_,
+                                             .tick = *tick_,
+                                             .sink = *account_});
     loop_->probedBy(probe);
     if (watchdog != nullptr) {
       loop_->watchedBy(*watchdog);
     }
     loop_->run(stop);
-    return loop_->statistics();
+    return account_->statistics();
   }
 
   CommandSeen command(int tick) const { return CommandSeen(bus.tried.at(static_cast<std::size_t>(tick))); }
@@ -168,6 +177,7 @@ class SimulatedRun {
   can::MeasurementDecoder decoder_;
   can::CommandEncoder encoder_;
   std::unique_ptr<tick::Tick> tick_;
+  std::optional<RunAccount> account_;
   std::unique_ptr<Loop> loop_;
   std::vector<bool> drive_enable_;  ///< before each tick
 

@@ -1,4 +1,4 @@
-// What is particular to the effects of the drive: gain, ripple, lag, delay, elasticity, backlash.
+// Particulars of the effects of the drive: gain, ripple, lag, delay, elasticity, backlash.
 #include <algorithm>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// What holds for every kind of the catalogue.
+// Rules that hold for every kind of the catalogue.
 #include <limits>
 #include <random>
 #include <set>
@@ -125,10 +125,10 @@ TEST_CASE("choices that are whole numbers are held to that") {
 TEST_CASE("every kind survives a model file at any allowed values; choices may be left out") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  const app::MechanismDescription leg = adultLeg().parameters;
+  const model::MechanismDescription leg = adultLeg().parameters;
   for (const EffectDescriptor* descriptor : effectCatalogue()) {
     CAPTURE(descriptor->kind);
-    app::EffectDescription effect{.kind = std::string(descriptor->kind), .joint = 1, .parameters = {}};
+    model::EffectDescription effect{.kind = std::string(descriptor->kind), .joint = 1, .parameters = {}};
     std::string identified;
     for (const EffectParameter& parameter : descriptor->parameters) {
       const double value = parameter.minimum + share(random) * (parameter.maximum - parameter.minimum);
@@ -138,17 +138,17 @@ TEST_CASE("every kind survives a model file at any allowed values; choices may b
       }
     }
     const std::string text = app::modelText({.mechanism = leg, .effects = {effect}});
-    const app::ModelDescription reread = app::parseModel(text, "model.toml");
+    const model::ModelDescription reread = app::parseModel(text, "model.toml");
     REQUIRE(reread.effects.size() == 1);
     CHECK(reread.effects[0].kind == effect.kind);
     CHECK(reread.effects[0].joint == 1);
     CHECK(reread.effects[0].parameters == effect.parameters);
-    const app::ModelDescription made = app::describeModel(app::makeModel(reread));
+    const model::ModelDescription made = model::describeModel(model::makeModel(reread));
     CHECK(made.effects[0].parameters == effect.parameters);
 
     const std::string bare = app::modelText({.mechanism = leg, .effects = {}}) + "[[effect]]\nkind = \"" +
                              effect.kind + "\"\njoint = 2\n" + identified;
-    const app::ModelDescription defaulted = app::parseModel(bare, "model.toml");
+    const model::ModelDescription defaulted = app::parseModel(bare, "model.toml");
     for (std::size_t i = 0; i < descriptor->parameters.size(); ++i) {
       if (!descriptor->parameters[i].identified) {
         CHECK(defaulted.effects[0].parameters[i] == descriptor->parameters[i].initial);

@@ -1,4 +1,4 @@
-// What is particular to the kinds of friction.
+// Particulars of the kinds of friction.
 #include <algorithm>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// What is particular to the effects of the person and of how the robot is strapped on.
+// Particulars of the effects of the person and of how the robot is strapped on.
 #include <algorithm>
 
 #include <doctest/doctest.h>

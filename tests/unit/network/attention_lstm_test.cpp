@@ -1,4 +1,4 @@
-// What the loop relies on: right numbers, the same bits whatever the calling pattern, no heap.
+// Properties that the loop relies on: right numbers, the same bits whatever the calling pattern, no heap.
 #include "core/network/attention_lstm.hpp"
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// What int16 arithmetic may cost, and that it is refused where it costs more.
+// Accuracy of int16 arithmetic, and its refusal where it costs more.
 #include <cmath>
 #include <limits>
 #include <stdexcept>

@@ -103,7 +103,7 @@ torch::Tensor history(const torch::Tensor& input, const std::vector<int>& lags) 
   return torch::cat(columns, 1);
 }
 
-/// What is said of it (steps x outputs), by the recursion written out: beyond the bound, trust is lost.
+/// The trusted output (steps x outputs), by the recursion written out: beyond the bound, trust is lost.
 torch::Tensor believed(const torch::Tensor& sum, const torch::Tensor& bound, int longest_lag) {
   const torch::Tensor now = (2 - (sum.abs() / bound).amax(1)).clamp(0, 1).to(torch::kFloat64).contiguous();
   torch::Tensor trust = torch::ones_like(now);

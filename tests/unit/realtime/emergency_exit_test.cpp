@@ -1,4 +1,4 @@
-// What a dying process still does. The same with the whole loop is in tests/integration/signals.
+// Last actions of a dying process. The same with the whole loop is in tests/integration/signals.
 #include "firmware_app/realtime/emergency_exit.hpp"
 
 #include <array>
@@ -80,7 +80,7 @@ void raiseOrExit(int signal) {
   }
 }
 
-/// What a process leaves behind that lives like this; `live` gets what its emergency exit would be made of.
+/// Traces of a process that lives like this; `live` gets the parts of its emergency exit.
 Death dieOf(const std::function<void(Reporting&, can::CommandEncoder&, const Clock&)>& live) {
   std::array<int, 2> ends{};
   REQUIRE(pipe(ends.data()) == 0);

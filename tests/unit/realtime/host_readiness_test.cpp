@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "firmware_app/realtime/can_interface.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace {
 
@@ -22,11 +23,6 @@ namespace fs = std::filesystem;
 class FakeHost {
  public:
   FakeHost() {
-    std::string pattern = (fs::temp_directory_path() / "patella_host_XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) {
-      throw std::runtime_error("no temporary folder");
-    }
-    root_ = pattern;
     put("proc/version", "Linux version 6.1.0-26-rt-amd64 (gcc-12) #1 SMP PREEMPT_RT Debian 6.1.112-1\n");
     put("proc/swaps", "Filename\t\t\t\tType\t\tSize\t\tUsed\t\tPriority\n");
     put("proc/sys/kernel/sched_rt_runtime_us", "-1\n");
@@ -41,9 +37,6 @@ class FakeHost {
     put("proc/irq/17/can0/x", "");
     put("proc/irq/18/smp_affinity_list", "0-3\n");  // without a handler
   }
-  ~FakeHost() { fs::remove_all(root_); }
-  FakeHost(const FakeHost&) = delete;
-  FakeHost& operator=(const FakeHost&) = delete;
 
   void put(const std::string& path, const std::string& text) const {
     fs::create_directories((root_ / path).parent_path());
@@ -53,7 +46,8 @@ class FakeHost {
   HostFiles files() const { return HostFiles(root_); }
 
  private:
-  fs::path root_;
+  patella::test::ScratchFolder folder_;
+  fs::path root_ = folder_.path();
 };
 
 Finding named(const std::vector<Finding>& findings, const std::string& name) {

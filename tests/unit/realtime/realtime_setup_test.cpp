@@ -1,7 +1,6 @@
 #include "firmware_app/realtime/realtime_setup.hpp"
 
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -17,6 +16,7 @@
 #include <unistd.h>
 
 #include "firmware_app/realtime/page_faults.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace {
 
@@ -50,20 +50,10 @@ const Finding* find(const RealtimeReport& report, const std::string& name) {
   return nullptr;
 }
 
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "patella_rt_XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) {
-      throw std::runtime_error("no temporary folder");
-    }
-    path = pattern;
-    fs::create_directories(path / "dev");
-  }
-  ~Folder() { fs::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  fs::path path;
+struct Host {
+  Host() { fs::create_directories(path / "dev"); }
+  patella::test::ScratchFolder folder;
+  fs::path path = folder.path();
 };
 
 }  // namespace
@@ -155,7 +145,7 @@ TEST_CASE("a processor that this process may not use is refused, and those that 
 }
 
 TEST_CASE("the wake-up latency is asked for and held until the object goes") {
-  const Folder host;
+  const Host host;
   std::ofstream(host.path / "dev/cpu_dma_latency").close();
   onOwnThread([&] {
     RealtimeOptions options = quiet();
@@ -188,7 +178,7 @@ TEST_CASE("the wake-up latency is asked for and held until the object goes") {
 }
 
 TEST_CASE("require_rt refuses a machine without PREEMPT_RT and says what to do") {
-  const Folder host;
+  const Host host;
   fs::create_directories(host.path / "proc");
   std::ofstream(host.path / "proc/version") << "Linux version 6.1.0 #1 SMP PREEMPT_DYNAMIC\n";
   std::ofstream(host.path / "dev/cpu_dma_latency").close();

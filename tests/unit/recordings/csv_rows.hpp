@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace patella::test {
@@ -21,7 +21,7 @@ inline std::string csv(const std::string& header, int rows, const std::function<
   return text;
 }
 
-/// What loadRecording() makes of a file with this text, the model having one joint.
+/// Result of loadRecording() for a file with this text, the model having one joint.
 inline diagnose::Recording loaded(const std::string& text,
                                   diagnose::RecordingOptions options = {.joints = 1}) {
   const ScratchFolder folder;

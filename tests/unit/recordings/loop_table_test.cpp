@@ -1,4 +1,4 @@
-// What the loop has recorded, with its own idea of which torque belongs to which sample.
+// Recordings of the loop, with its own idea of which torque belongs to which sample.
 #include <doctest/doctest.h>
 
 #include "csv_rows.hpp"

@@ -8,7 +8,7 @@
 
 namespace patella::test {
 
-/// What a map makes of a text; the model has one joint.
+/// Recording of a text by a map; the model has one joint.
 inline diagnose::Recording mapped(const std::string& map, const std::string& text) {
   const ScratchFolder folder;
   app::writeFile(folder / "map.toml", map);

@@ -19,7 +19,7 @@ matvar_t* matrix(const char* name, std::size_t rows, std::size_t columns, std::v
   return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), values.data(), 0);
 }
 
-/// What `value` makes of the numbers of the rows.
+/// Column of `value` over the numbers of the rows.
 template <typename Value>
 std::vector<double> column(Value&& value, std::size_t rows = kRows) {
   std::vector<double> values;
@@ -76,7 +76,7 @@ class File {
   std::string refusal(const std::string& position, const std::string& recording = "time_column = 't'\n") {
     return fromName(test::messageOf<app::FileError>([&] { load(position, recording); }));
   }
-  /// Of this share of the file's bytes; a column that stands near its end is asked for.
+  /// Refusal of the first share of the file's bytes; a column near its end is asked for.
   std::string refusalOfPart(double share) {
     close();
     const std::string bytes = app::readFile(folder_ / "run.mat");

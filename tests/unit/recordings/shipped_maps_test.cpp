@@ -21,14 +21,14 @@ Recording shipped(const std::string& map, int joints, const std::string& file) {
   return loadRecording(PATELLA_DATA_DIR "/" + file, {.joints = joints, .columns = maps + map + ".toml"});
 }
 
-app::ModelDescription shippedModel(const std::string& name) {
+model::ModelDescription shippedModel(const std::string& name) {
   return app::loadModel(PATELLA_SOURCE_DIR "/tools/diagnose/maps/" + name + ".toml");
 }
 
 /// Torque of a joint of the model against that of the drives, as a correlation.
-double agreement(const Recording& recording, const app::ModelDescription& description, std::size_t joint) {
+double agreement(const Recording& recording, const model::ModelDescription& description, std::size_t joint) {
   constexpr double kBand_Hz = 8.0;
-  const model::DynamicsModel model = app::makeModel(description);
+  const model::DynamicsModel model = model::makeModel(description);
   std::array<offline::Samples, kMaxJoints> q, dq, ddq;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     q[j] = offline::zeroPhaseLowPass(recording.position_rad[j], kBand_Hz, recording.rate_Hz);
@@ -93,8 +93,8 @@ TEST_CASE(
   CHECK(*std::min_element(q.begin(), q.end()) == doctest::Approx(-2.094).epsilon(0.001));
   // The library's own formula, with its published numbers and an ankle at rest, must have the same sign at
   // both ends.
-  const app::ModelDescription model = shippedModel("passive_knee_model");
-  const model::DynamicsModel dynamics = app::makeModel(model);
+  const model::ModelDescription model = shippedModel("passive_knee_model");
+  const model::DynamicsModel dynamics = model::makeModel(model);
   const model::EffectDescriptor& kind = *model::findEffect("passive_knee_moment");
   std::vector<double> published;
   for (const model::EffectParameter& parameter : kind.parameters) {

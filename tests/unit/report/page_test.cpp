@@ -7,7 +7,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/count_of.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
 #include "tools/report/panels.hpp"

@@ -1,4 +1,4 @@
-// What a score adds up, what it forgives, and when it is passed.
+// A score adds up, forgives, and is passed.
 #include "core/safety/leaky_score.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// What each kind of the fault script does to the rig's frames.
+// Effect of each kind of the fault script on the rig's frames.
 #include <cmath>
 #include <set>
 

@@ -98,7 +98,7 @@ TEST_CASE("a tick sees the sample of its own instant, and its command acts from 
       1e-3 * inertia(1, 1) / (inertia(0, 0) * inertia(1, 1) - inertia(0, 1) * inertia(1, 0));
   CHECK(encoder.value(frames[0], velocity) == doctest::Approx(expected).epsilon(0.1));
 
-  // What does not fit stays for the next call.
+  // Frames that do not fit stay for the next call.
   CHECK(bus.receive(std::span(frames).first(2), 9 * kMillisecond_ns) == 2);
   CHECK(bus.receive(frames, 9 * kMillisecond_ns) == 3);
   CHECK(bus.statistics().frames_received == 16);

@@ -1,4 +1,4 @@
-// What networks are fed with.
+// Inputs of networks.
 #include "core/tick/front_end.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// What the loop does with a leg, through the narrow interface of one tick.
+// Control of a leg, through the narrow interface of one tick.
 #include <algorithm>
 #include <array>
 
@@ -26,7 +26,7 @@ TEST_CASE("an active loop holds the leg where it was enabled") {
   leg.run(3000);
   CHECK((leg.plant.state().q - pose).cwiseAbs().maxCoeff() < 0.01);
   CHECK(leg.plant.state().dq.cwiseAbs().maxCoeff() < 0.01);
-  // What is left to do at rest is to carry the leg.
+  // At rest the drives only carry the leg.
   const JointVector weight = paperModel().mechanism().gravity(leg.plant.state().q);
   CHECK((leg.torque - weight).cwiseAbs().maxCoeff() < 0.05);
 }

@@ -1,4 +1,4 @@
-// Who is trained on, and who is not.
+// Split of recordings into training, validation and test.
 #include "tools/train/split.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What is trained is what runs in the loop.
+// The trained network is the one that runs in the loop.
 #include "tools/train/torch_network.hpp"
 
 #include <doctest/doctest.h>

@@ -7,7 +7,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "made_up.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using namespace patella::train;

@@ -8,7 +8,7 @@
 
 #include "core/network/attention_lstm.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/network/random_network.hpp"
 
 namespace patella::app {
@@ -30,7 +30,7 @@ network::NetworkWeights sample(int layers, std::vector<int> lags = {}) {
   return weights;
 }
 
-/// What the loader says of a sound file after `spoil`; its path is replaced by "file".
+/// The loader's message for a sound file after `spoil`; its path is replaced by "file".
 std::string refusal(const std::function<void(Safetensors&)>& spoil, const std::vector<int>& lags = {}) {
   const ScratchFolder folder;
   const std::filesystem::path path = folder / "net.safetensors";

@@ -14,7 +14,7 @@
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace patella::app {
 
@@ -45,7 +45,7 @@ std::string get(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// What the reader says of a file of this content; its path is replaced by "file".
+/// The reader's message for a file of this content; its path is replaced by "file".
 std::string refusal(const std::string& content) {
   const ScratchFolder folder;
   const std::filesystem::path path = folder / "net.safetensors";

@@ -1,4 +1,4 @@
-// What a diagnosis asserts, which is what a benchmark marks.
+// The effects that a diagnosis asserts; the benchmark marks these.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace patella::bench {
 
 /// Takes away findings that may be a part of something else: they are neither right nor false.
 inline void keepAsserted(diagnose::Diagnosis& diagnosis) {
-  std::erase_if(diagnosis.effects, [](const diagnose::EffectFinding& finding) { return finding.outweighed; });
+  std::erase_if(diagnosis.effects, [](const diagnose::EffectFinding& finding) { return !finding.asserted(); });
 }
 
 }  // namespace patella::bench

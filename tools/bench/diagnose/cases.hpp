@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/bench/diagnose/analysis.hpp"
 #include "tools/bench/diagnose/rig.hpp"
 
@@ -48,7 +48,7 @@ struct Case {
   Rig rig;
   std::vector<CaseEffect> effects;
   Run run;
-  app::ModelDescription nominal;  ///< what a diagnosis is given
+  model::ModelDescription nominal;  ///< what a diagnosis is given
 };
 
 /// Strengths are drawn from 0.5 to 5, even in the logarithm; where a machine would not survive the effect, or
@@ -61,6 +61,6 @@ CaseEffect withStrength(const Rig& rig, const TrueEffect& effect, double strengt
 
 /// A rig with nominal parameters wrong by up to 5 to 10 %. Empty names: drawn.
 Rig drawRig(std::uint64_t seed, std::string& mechanism, std::string& motion);
-app::ModelDescription nominalModel(const Rig& rig);
+model::ModelDescription nominalModel(const Rig& rig);
 
 }  // namespace patella::bench

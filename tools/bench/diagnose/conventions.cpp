@@ -36,14 +36,14 @@ constexpr double kGrows = 1.2;
 
 struct Source {
   const MeasuredRecording* measured = nullptr;
-  app::ModelDescription model;
+  model::ModelDescription model;
   const char* whose = "";
   std::vector<double> error{};  ///< of the recording as it is
 };
 
-std::vector<double> errorOf(const Recording& recording, const app::ModelDescription& model) {
+std::vector<double> errorOf(const Recording& recording, const model::ModelDescription& model) {
   const Dataset data(std::span(&recording, 1), diagnose::kCoarse);
-  model::DynamicsModel dynamics = app::makeModel(model);
+  model::DynamicsModel dynamics = model::makeModel(model);
   const diagnose::Column left = data.driveTorque() - data.modelTorque(dynamics);
   std::vector<double> error = diagnose::loads_Nm(data, dynamics.mechanism());
   for (int joint = 0; joint < data.joints(); ++joint) {
@@ -54,9 +54,9 @@ std::vector<double> errorOf(const Recording& recording, const app::ModelDescript
 }
 
 // The makers' model with the dry and viscous friction that explains most of what it leaves of the recording.
-app::ModelDescription withFriction(const Recording& recording, app::ModelDescription model) {
+model::ModelDescription withFriction(const Recording& recording, model::ModelDescription model) {
   const Dataset data(std::span(&recording, 1), diagnose::kCoarse);
-  model::DynamicsModel dynamics = app::makeModel(model);
+  model::DynamicsModel dynamics = model::makeModel(model);
   const diagnose::Column left = data.driveTorque() - data.modelTorque(dynamics);
   for (int joint = 0; joint < data.joints(); ++joint) {
     const Eigen::VectorXd rest = left.segment(joint * data.rows(), data.rows());
@@ -92,7 +92,7 @@ app::ModelDescription withFriction(const Recording& recording, app::ModelDescrip
   return model;
 }
 
-bool isRevolute(const app::ModelDescription& model) {
+bool isRevolute(const model::ModelDescription& model) {
   return !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
 }
 
@@ -114,7 +114,7 @@ std::string markOf(const Diagnosis& diagnosis) {
   }
 }
 
-Answer answerTo(const Recording& recording, const app::ModelDescription& model, const Mistake* mistake,
+Answer answerTo(const Recording& recording, const model::ModelDescription& model, const Mistake* mistake,
                 bool judge_only) {
   try {
     if (judge_only) {

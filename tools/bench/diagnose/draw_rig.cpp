@@ -237,9 +237,9 @@ Rig drawRig(std::uint64_t seed, std::string& mechanism, std::string& motion) {
   return rig;
 }
 
-app::ModelDescription nominalModel(const Rig& rig) {
+model::ModelDescription nominalModel(const Rig& rig) {
   const Body& body = rig.nominal;
-  app::ModelDescription model;
+  model::ModelDescription model;
   switch (body.shape) {
     case Shape::kLeg:
       model.mechanism = model::PlanarTwoLinkParameters{.mass_kg = body.mass_kg,

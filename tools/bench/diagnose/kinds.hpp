@@ -42,7 +42,7 @@ enum class Kind {
   kRubbingSpot,
   kHardeningSpring,
   kEmgStiffness,
-  // What breaks or wears on machines.
+  // Defects of machines by breaking or wear.
   kLoadTakenUp,
   kRelaxingTissue,
   kDraggingBrake,
@@ -64,7 +64,7 @@ struct KindInfo {
   unsigned scaled;
   unsigned compared;
   bool in_library;
-  /// What its torque depends on, separated by blanks: "q", "dq", "ddq", "tau", "activation" of its joint,
+  /// Variables of its torque, separated by blanks: "q", "dq", "ddq", "tau", "activation" of its joint,
   /// "other_q" the other joint's angle, "time". The first is what betrays it; any of them is a right answer.
   std::string_view variables;
   bool defect = false;  ///< what breaks or wears: the suite of its own that nothing was tuned to

@@ -2,7 +2,6 @@
 // score.hpp.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -11,19 +10,19 @@
 #include <iostream>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/conventions.hpp"
+#include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/diagnose/diagnose.hpp"
-#include "tools/diagnose/evidence/decision.hpp"
 
 namespace {
 
@@ -43,7 +42,6 @@ struct Options {
   std::vector<std::string> without;  ///< gates
   bool recordings = false;
   bool draw_only = false;
-  bool by_evidence = false;
   Wish wish;
 };
 
@@ -139,14 +137,8 @@ CaseResult runCase(const Options& options, std::size_t index) {
     how.bootstrap_replicates = options.replicates;
     how.gates = gatesWithout(options.without);
     how.person_Nm.assign(drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.begin() + drawn.nominal.joints());
-    if (options.by_evidence) {
-      result.diagnosis =
-          diagnose::evidence::decide(std::span(&drawn.run.recording, 1), drawn.nominal,
-                                     {.person_Nm = {drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.end()}});
-    } else {
-      result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
-      keepAsserted(result.diagnosis);
-    }
+    result.diagnosis = diagnose::diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, how);
+    keepAsserted(result.diagnosis);
     result.diagnosis.curves.clear();
     result.score = score(result.truth, result.diagnosis);
   } catch (const std::exception& error) {
@@ -169,35 +161,15 @@ class Pool {
   }
 
   std::vector<CaseResult> run() {
-    std::vector<std::thread> threads;
-    for (unsigned i = 0; i < options_.threads; ++i) {
-      threads.emplace_back([this] { work(); });
-    }
-    for (std::thread& thread : threads) {
-      thread.join();
-    }
-    if (failure_) {
-      std::rethrow_exception(failure_);
-    }
+    inParallel(options_.threads, options_.cases, [this](std::size_t i) {
+      results_[i] = runCase(options_, options_.first + i);
+      const std::lock_guard lock(mutex_);
+      note(results_[i]);
+    });
     return std::move(results_);
   }
 
  private:
-  void work() {
-    for (std::size_t i = next_++; i < options_.cases; i = next_++) {
-      try {
-        results_[i] = runCase(options_, options_.first + i);
-      } catch (...) {
-        const std::lock_guard lock(mutex_);
-        failure_ = std::current_exception();
-        next_ = options_.cases;
-        return;
-      }
-      const std::lock_guard lock(mutex_);
-      note(results_[i]);
-    }
-  }
-
   void note(const CaseResult& result) {
     ++done_;
     const std::string row = csvRow(result);
@@ -218,11 +190,9 @@ class Pool {
 
   const Options& options_;
   std::vector<CaseResult> results_;
-  std::atomic<std::size_t> next_{0};
   std::size_t done_ = 0;
   std::mutex mutex_;
   std::ofstream table_;
-  std::exception_ptr failure_;
 };
 
 void runAll(const Options& options) {
@@ -274,8 +244,6 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--strength", options.wish.strength, "of each effect, instead of 0.5 to 5")
       ->check(CLI::PositiveNumber);
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
-  app.add_flag("--evidence", options.by_evidence,
-               "decide by one score, the evidence, instead of by gates; told what the person pushes with");
   app.add_flag("--draw-only", options.draw_only,
                "diagnose nothing; of the suite conventions, judge the columns only");
   try {
@@ -297,7 +265,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                                .out = options.out,
                                .cases = options.cases,
                                .seed = options.seed,
-                               .by_evidence = options.by_evidence});
+                               .threads = options.threads});
     } else if (options.suite == "conventions") {
       std::cout << runConventions({.data = options.data,
                                    .source = PATELLA_SOURCE_DIR,

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "firmware_app/files/file_error.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace patella::bench {
@@ -34,6 +35,10 @@ std::vector<Rig> rigs(const fs::path& source) {
   };
 }
 
+bool movedByHand(const std::string& name) {
+  return name == "sp_energy_shaping_pushed" || name == "sp_gravity_compensation";
+}
+
 std::set<fs::path> filesOf(const fs::path& folder, const std::string& prefix) {
   if (!fs::is_directory(folder)) {
     throw app::FileError(folder.string() + ": is not there, expected a folder of recordings");
@@ -53,14 +58,15 @@ std::set<fs::path> filesOf(const fs::path& folder, const std::string& prefix) {
 std::vector<MeasuredRecording> measuredRecordings(const fs::path& data, const fs::path& source) {
   std::vector<MeasuredRecording> all;
   for (const Rig& rig : rigs(source)) {
-    const app::ModelDescription model = app::loadModel(rig.model);
+    const model::ModelDescription model = app::loadModel(rig.model);
     for (const fs::path& file : filesOf(data / rig.folder, rig.prefix)) {
       all.push_back(
           {.rig = rig.folder,
            .name = file.stem().string(),
            .model = model,
            .recording = diagnose::loadRecording(
-               file, {.joints = model.joints(), .columns = source / "tools/diagnose/maps" / rig.columns})});
+               file, {.joints = model.joints(), .columns = source / "tools/diagnose/maps" / rig.columns}),
+           .by_hand = movedByHand(file.stem().string())});
     }
   }
   return all;

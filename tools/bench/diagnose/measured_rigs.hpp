@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::bench {
@@ -13,8 +13,9 @@ namespace patella::bench {
 struct MeasuredRecording {
   std::string rig;   ///< folder
   std::string name;  ///< file
-  app::ModelDescription model;
+  model::ModelDescription model;
   diagnose::Recording recording;
+  bool by_hand = false;  ///< a person moved or pushed it, and nothing measured how
 };
 
 /// All that move and are no table, in a fixed order. `data`: folder that holds emps, double_pendulum and

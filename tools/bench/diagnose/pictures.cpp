@@ -65,7 +65,7 @@ std::string shade(double share) {
   return fmt::format("#{:02X}{:02X}{:02X}", channel(8.0), channel(48.0), channel(107.0));
 }
 
-// What fits beside the picture.
+// The part of a name that fits beside the picture.
 std::string shortened(std::string kind) {
   for (const std::string part : {"_friction", "_moment", "transmission_"}) {
     const std::size_t place = kind.find(part);

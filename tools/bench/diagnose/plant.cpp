@@ -95,7 +95,7 @@ void Plant::setBody(const Body& body) {
   }
 }
 
-// What changes the machine rather than pushing it.
+// Effects that change the machine rather than push it.
 void Plant::mount(const TrueEffect& effect, const Body& body) {
   const auto& p = effect.p;
   switch (effect.kind) {

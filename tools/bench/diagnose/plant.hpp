@@ -39,7 +39,7 @@ struct Body {
   std::size_t joints() const noexcept { return shape == Shape::kLeg ? 2 : 1; }
 };
 
-/// What acts on the robot from outside, a value a tick of 1 ms, linear in between.
+/// Torque on the robot from outside, a value a tick of 1 ms, linear in between.
 struct Surroundings {
   std::array<std::vector<double>, kJoints> human_Nm;
   std::array<std::vector<double>, kChannels> activation;  ///< 0…1
@@ -59,7 +59,7 @@ class Plant {
   /// Joint angles as they are.
   Pair position() const noexcept;
   Pair velocity() const noexcept;
-  /// What the encoders, which may be mounted askew, are to count.
+  /// Angles that the encoders count; they may be mounted askew.
   Pair encoder() const noexcept;
   /// Angle of the motor, which differs from the joint's where the transmission gives way.
   Pair motorPosition() const noexcept;
@@ -82,7 +82,7 @@ class Plant {
     double gain = 1.0, lag_s = 0.0, delay_s = 0.0, lagged = 0.0;
     std::vector<double> commands;
   };
-  // What an instant looks like to the effects.
+  // The effects' input at an instant.
   struct Instant {
     double time_s = 0.0;
     Pair q{}, dq{}, drive_Nm{};

@@ -6,18 +6,26 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/model/effect.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
+#include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/diagnose/measured_rigs.hpp"
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/diagnose.hpp"
-#include "tools/diagnose/evidence/decision.hpp"
+#include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
+#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {
 namespace {
@@ -43,42 +51,39 @@ Recording part(const Recording& whole, double from, double to) {
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
-  app::ModelDescription model;  ///< that the other half led to
+  model::ModelDescription model;  ///< that the other half led to
 };
+
+/// Kinds whose torque grows with one number, and what else a planted one of the kind has.
+constexpr std::array kKinds{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
+                            "rotor_inertia",    "payload",          "actuator_lag",     "actuator_delay"};
+/// Largest strength that is planted, in units of the smallest that would have been revealed. …
+constexpr double kStrongest = 5.0;
+/// … And as a share of the joint's torque: what is more would be another machine.
+constexpr double kLargestShare = 1.0;
 
 struct Plant {
   std::string kind;
   int joint = 0;
   std::vector<double> parameters;
-  double share = 0.0;  ///< rms of its torque over that of the rigid body
+  std::string main;          ///< parameter that says how large it is
+  double size = 0.0;         ///< of that parameter
+  double in_smallest = 0.0;  ///< the same in units of the smallest that would have been revealed
 };
 
-struct Size {
-  double torque_Nm = 0.0, velocity_rad_s = 0.0, acceleration_rad_s2 = 0.0, middle_rad = 0.0, range_rad = 0.0;
-};
+double middleOf(const Recording& recording, int joint) {
+  const Segment& rows = recording.segments.front();
+  const auto& position = recording.position_rad[static_cast<std::size_t>(joint)];
+  const auto [low, high] = std::minmax_element(position.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                                               position.begin() + static_cast<std::ptrdiff_t>(rows.end));
+  return 0.5 * (*low + *high);
+}
 
-Size sizeOf(const diagnose::Dataset& data, const model::DynamicsModel& dynamics, int joint) {
-  Size size;
-  double count = 0.0, low = 1e300, high = -1e300;
-  for (const diagnose::Series& series : data.series()) {
-    for (std::size_t i = 0; i < series.states.size(); ++i) {
-      const model::EffectInput& state = series.states[i];
-      const double torque = (dynamics.mechanism().regressor(state.q, state.dq, series.acceleration[i]) *
-                             dynamics.mechanism().baseParameters())[joint];
-      size.torque_Nm += torque * torque;
-      size.velocity_rad_s += state.dq[joint] * state.dq[joint];
-      size.acceleration_rad_s2 += series.acceleration[i][joint] * series.acceleration[i][joint];
-      low = std::min(low, state.q[joint]);
-      high = std::max(high, state.q[joint]);
-      count += 1.0;
-    }
-  }
-  for (double* square : {&size.torque_Nm, &size.velocity_rad_s, &size.acceleration_rad_s2}) {
-    *square = std::sqrt(*square / count);
-  }
-  size.middle_rad = 0.5 * (low + high);
-  size.range_rad = high - low;
-  return size;
+double speedOf(const Recording& recording, int joint) {
+  const diagnose::Dataset data(std::span(&recording, 1), {});
+  const Eigen::VectorXd speed = data.variable(
+      [joint](const diagnose::Series& series, std::size_t i) { return series.states[i].dq[joint]; });
+  return speed.norm() / std::sqrt(static_cast<double>(speed.size()));
 }
 
 std::vector<double> parametersOf(const std::string& kind, const std::map<std::string, double>& wanted) {
@@ -91,32 +96,37 @@ std::vector<double> parametersOf(const std::string& kind, const std::map<std::st
   return values;
 }
 
-Plant drawPlant(const Size& size, int joint, Random& random) {
-  constexpr std::array kKinds{"coulomb_friction", "viscous_friction", "linear_stiffness",
-                              "torque_bias",      "rotor_inertia",    "torque_gain",
-                              "actuator_lag",     "actuator_delay",   "asymmetric_friction"};
-  Plant plant{.kind = kKinds[random.below(kKinds.size())],
-              .joint = joint,
-              .parameters = {},
-              .share = random.logUniform(0.03, 0.5)};
-  const double level_Nm = plant.share * size.torque_Nm;
-  const double smoothing = 0.005 * size.velocity_rad_s;
-  const double one_sided = random.uniform(0.3, 0.7);
+// One of the effects that the recording as it is would have revealed, on a joint whose drive can give their
+// torque: half of them exactly as large as the smallest that it would have. Nothing where there is none.
+std::optional<Plant> drawPlant(const diagnose::Diagnosis& best, const Recording& recording, Random& random) {
+  const diagnose::Dataset data(std::span(&recording, 1), {});
+  const std::vector<bool> driven = diagnose::drivenJoints(
+      data, model::makeModel({.mechanism = best.extended.mechanism, .effects = {}}).mechanism());
+  std::vector<const diagnose::Revealed*> possible;
+  for (const diagnose::Revealed& revealed : best.revealed) {
+    const bool drawn = std::find(kKinds.begin(), kKinds.end(), revealed.kind) != kKinds.end();
+    const bool late = revealed.kind == "actuator_lag" || revealed.kind == "actuator_delay";
+    if (drawn && driven[static_cast<std::size_t>(revealed.joint)] && std::isfinite(revealed.smallest_size) &&
+        revealed.smallest_size > 0.0 && revealed.share_of_torque < kLargestShare &&
+        !(late && revealed.smallest_size > diagnose::convention::kLeastShift_s)) {
+      possible.push_back(&revealed);
+    }
+  }
+  if (possible.empty()) {
+    return std::nullopt;
+  }
+  const diagnose::Revealed& smallest = *possible[random.below(possible.size())];
+  Plant plant{.kind = smallest.kind, .joint = smallest.joint, .parameters = {}, .main = smallest.parameter};
+  plant.in_smallest =
+      random.chance(0.5)
+          ? 1.0
+          : random.logUniform(1.0, std::min(kStrongest, kLargestShare / smallest.share_of_torque));
+  plant.size =
+      plant.in_smallest * smallest.smallest_size * (plant.kind == "torque_bias" ? random.sign() : 1.0);
   plant.parameters = parametersOf(
-      plant.kind, {{"level_Nm", level_Nm},
-                   {"smoothing_velocity_rad_s", smoothing},
-                   {"coefficient_Nms_rad", level_Nm / size.velocity_rad_s},
-                   {"stiffness_Nm_rad", 3.0 * level_Nm / size.range_rad},
-                   {"rest_position_rad", size.middle_rad + random.uniform(-0.2, 0.2) * size.range_rad},
-                   {"bias_Nm", random.sign() * level_Nm},
-                   {"inertia_kg_m2", level_Nm / size.acceleration_rad_s2},
-                   {"gain_error", random.sign() * random.uniform(0.05, 0.3)},
-                   {"time_constant_s", random.logUniform(0.003, 0.03)},
-                   {"delay_s", random.logUniform(0.003, 0.03)},
-                   {"level_positive_Nm", 2.0 * one_sided * level_Nm},
-                   {"level_negative_Nm", 2.0 * (1.0 - one_sided) * level_Nm},
-                   {"viscous_positive_Nms_rad", 0.0},
-                   {"viscous_negative_Nms_rad", 0.0}});
+      plant.kind, {{plant.main, plant.size},
+                   {"smoothing_velocity_rad_s", 0.02 * speedOf(recording, plant.joint)},
+                   {"rest_position_rad", middleOf(recording, plant.joint) + random.uniform(-0.3, 0.3)}});
   return plant;
 }
 
@@ -125,7 +135,6 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
   constexpr double kEveryRow_Hz = 1e6;
   const diagnose::Dataset data(std::span(&recording, 1), {.evaluation_rate_Hz = kEveryRow_Hz});
   const auto effect = model::makeEffect(plant.kind, plant.joint, mechanism, plant.parameters);
-  const auto j = static_cast<std::size_t>(plant.joint);
   const std::size_t first = recording.segments.front().first;
   const diagnose::Series& series = data.series().front();
   const auto torque = [&](std::size_t i, double later_s) {
@@ -136,35 +145,44 @@ void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& m
     return (1.0 - share) * series.states[low].torque_Nm[plant.joint] +
            share * series.states[low + 1].torque_Nm[plant.joint];
   };
-  std::vector<double> planted(series.states.size());
+  std::vector<JointVector> planted(series.states.size(), JointVector::Zero(recording.joints));
   effect->reset(series.states.front());
   for (std::size_t i = 0; i < planted.size(); ++i) {
-    const double measured = recording.torque_Nm[j][first + i];
-    if (plant.kind == "torque_gain") {
-      planted[i] = measured / (1.0 + plant.parameters[0]);
-    } else if (plant.kind == "actuator_delay") {
-      planted[i] = measured + torque(i, plant.parameters[0]) - torque(i, 0.0);
+    if (plant.kind == "actuator_delay") {
+      planted[i][plant.joint] = torque(i, plant.parameters[0]) - torque(i, 0.0);
     } else if (plant.kind == "actuator_lag") {
       const double step_s = 1.0 / series.rate_Hz;
-      planted[i] = measured + plant.parameters[0] * (torque(i, step_s) - torque(i, -step_s)) / (2.0 * step_s);
+      planted[i][plant.joint] =
+          plant.parameters[0] * (torque(i, step_s) - torque(i, -step_s)) / (2.0 * step_s);
     } else {
       if (i > 0) {
         effect->advance(series.states[i], 1.0 / series.rate_Hz);
       }
-      planted[i] = measured + (effect->inertia(series.states[i].q) * series.acceleration[i] -
-                               effect->torque(series.states[i]))[plant.joint];
+      planted[i] =
+          effect->inertia(series.states[i].q) * series.acceleration[i] - effect->torque(series.states[i]);
     }
   }
-  std::copy(planted.begin(), planted.end(),
-            recording.torque_Nm[j].begin() + static_cast<std::ptrdiff_t>(first));
+  // A load on one joint is carried by those before it, too.
+  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
+    for (std::size_t i = 0; i < planted.size(); ++i) {
+      recording.torque_Nm[j][first + i] += planted[i][static_cast<Eigen::Index>(j)];
+    }
+  }
 }
 
-diagnose::Diagnosis decide(const Recording& recording, const app::ModelDescription& model, bool by_evidence) {
-  return by_evidence ? diagnose::evidence::decide(std::span(&recording, 1), model, {})
-                     : diagnose::diagnose(std::span(&recording, 1), {}, model, {});
+// Nothing where the recording is refused.
+std::optional<diagnose::Diagnosis> decide(const Recording& recording, const model::ModelDescription& model) {
+  try {
+    diagnose::Diagnosis diagnosis = diagnose::diagnose(std::span(&recording, 1), {}, model, {});
+    keepAsserted(diagnosis);
+    return diagnosis;
+  } catch (const std::invalid_argument& refused) {
+    std::fprintf(stderr, "%s\n", refused.what());
+    return std::nullopt;
+  }
 }
 
-std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all, bool by_evidence) {
+std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
   std::vector<Half> halves;
   for (const MeasuredRecording& source : all) {
     const Segment whole = part(source.recording, 0.0, 1.0).segments.front();
@@ -173,10 +191,11 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all, bool by_ev
     }
     for (const bool second : {false, true}) {
       const Recording other = part(source.recording, second ? 0.0 : 0.5, second ? 0.5 : 1.0);
+      const std::optional<diagnose::Diagnosis> led_to = decide(other, source.model);
       halves.push_back({.source = &source,
                         .from = second ? 0.5 : 0.0,
                         .to = second ? 1.0 : 0.5,
-                        .model = decide(other, source.model, by_evidence).extended});
+                        .model = led_to ? led_to->extended : source.model});
       std::fprintf(stderr, "model of %s, half %d: %zu effects\n", source.name.c_str(), second ? 1 : 2,
                    halves.back().model.effects.size());
     }
@@ -184,102 +203,235 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all, bool by_ev
   return halves;
 }
 
-struct Counts {
-  std::size_t plain = 0, plain_false = 0, planted = 0, right = 0, in_set = 0, false_effect = 0, unknown = 0,
-              nothing = 0;
-};
-
-bool names(const diagnose::EffectFinding& finding, const Plant& plant, bool& alone) {
-  if (finding.joint != plant.joint) {
+// Whether the other half speaks against an effect: added to the model that this half led to, it makes the
+// error of its joint larger there.
+bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDescription& extended,
+                  const Half& half) {
+  const auto is = [&](const model::EffectDescription& effect) {
+    return effect.kind == finding.kind && effect.joint == finding.joint;
+  };
+  const auto found = std::find_if(extended.effects.rbegin(), extended.effects.rend(), is);
+  if (found == extended.effects.rend()) {
     return false;
   }
-  alone = finding.kind == plant.kind;
-  return alone || std::find(finding.indistinguishable_from.begin(), finding.indistinguishable_from.end(),
-                            plant.kind) != finding.indistinguishable_from.end();
+  model::ModelDescription with = half.model;
+  std::erase_if(with.effects, [&](const model::EffectDescription& effect) {
+    return effect.joint == finding.joint &&
+           std::find(finding.replaces.begin(), finding.replaces.end(), effect.kind) != finding.replaces.end();
+  });
+  with.effects.push_back(*found);
+  const Recording other =
+      part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
+  const diagnose::Dataset data(std::span(&other, 1), {});
+  const auto error = [&](const model::ModelDescription& model) {
+    return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
+  };
+  return error(with) > error(half.model);
 }
 
-void mark(const diagnose::Diagnosis& diagnosis, const std::optional<Plant>& plant, Counts& counts) {
-  if (!plant) {
-    ++counts.plain;
-    counts.plain_false += diagnosis.effects.empty() ? 0 : 1;
-    return;
-  }
-  ++counts.planted;
-  bool found = false, alone = false, other = false;
+struct Counts {
+  std::size_t plain = 0, plain_named = 0, plain_false = 0, plain_refused = 0, nothing_shows = 0;
+  std::size_t at_smallest = 0, found_at_smallest = 0;
+  std::size_t above = 0, right_above = 0;
+  std::size_t other = 0, unknown = 0, nothing = 0, poor = 0, refused = 0;  ///< of all planted
+  std::size_t sized = 0, interval_holds = 0;
+  std::size_t planted() const { return at_smallest + above; }
+};
+
+bool names(const diagnose::EffectFinding& finding, const Plant& plant) {
+  const auto& others = finding.indistinguishable_from;
+  return finding.joint == plant.joint &&
+         (finding.kind == plant.kind || std::find(others.begin(), others.end(), plant.kind) != others.end());
+}
+
+// The planted number as it was found; nothing where the effect was not found by its own name.
+std::optional<diagnose::ParameterEstimate> foundSize(const diagnose::Diagnosis& diagnosis,
+                                                     const Plant& plant) {
   for (const diagnose::EffectFinding& finding : diagnosis.effects) {
-    bool exactly = false;
-    const bool is = names(finding, *plant, exactly);
-    found = found || is;
-    alone = alone || exactly;
-    other = other || !is;
+    if (finding.joint != plant.joint || finding.kind != plant.kind) {
+      continue;
+    }
+    for (const diagnose::ParameterEstimate& estimate : finding.parameters) {
+      if (estimate.name == plant.main) {
+        return estimate;
+      }
+    }
   }
-  counts.right += found && alone && !other ? 1 : 0;
-  counts.in_set += found && !alone && !other ? 1 : 0;
-  counts.false_effect += other ? 1 : 0;
-  counts.unknown += !found && !other && diagnosis.verdict == diagnose::Verdict::kUnknownEffect ? 1 : 0;
-  counts.nothing += diagnosis.verdict == diagnose::Verdict::kNothingMissing ? 1 : 0;
+  return std::nullopt;
+}
+
+bool holds(const diagnose::ParameterEstimate& estimate, double size) {
+  return estimate.ci95[0] <= size && size <= estimate.ci95[1];
+}
+
+// `diagnosis`: nothing where the recording was refused.
+void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant, Counts& counts) {
+  bool found = false, other = false;
+  if (diagnosis) {
+    for (const diagnose::EffectFinding& finding : diagnosis->effects) {
+      (names(finding, plant) ? found : other) = true;
+    }
+    if (const auto size = foundSize(*diagnosis, plant)) {
+      ++counts.sized;
+      counts.interval_holds += holds(*size, plant.size) ? 1 : 0;
+    }
+    const bool silent = !found && !other;
+    counts.unknown += silent && diagnosis->verdict == diagnose::Verdict::kUnknownEffect ? 1 : 0;
+    counts.nothing += silent && diagnosis->verdict == diagnose::Verdict::kNothingMissing ? 1 : 0;
+    counts.poor += silent && diagnosis->verdict == diagnose::Verdict::kInsufficientExcitation ? 1 : 0;
+  }
+  counts.refused += diagnosis ? 0 : 1;
+  counts.other += other ? 1 : 0;
+  if (plant.in_smallest > 1.0) {
+    ++counts.above;
+    counts.right_above += found && !other ? 1 : 0;
+  } else {
+    ++counts.at_smallest;
+    counts.found_at_smallest += found ? 1 : 0;
+  }
+}
+
+std::string heading() {
+  return fmt::format(
+      "  {:<34}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n",
+      "", "plain", "named", "false", "refused", "none", "at size", "found", "above", "right", "other",
+      "unknown", "nothing", "poor", "refused", "sized", "holds");
 }
 
 std::string line(const std::string& name, const Counts& c) {
-  return fmt::format("  {:<34}{:>7}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", name, c.plain, c.plain_false,
-                     c.planted, c.right, c.in_set, c.false_effect, c.unknown, c.nothing);
+  return fmt::format(
+      "  {:<34}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n",
+      name, c.plain, c.plain_named, c.plain_false, c.plain_refused, c.nothing_shows, c.at_smallest,
+      c.found_at_smallest, c.above, c.right_above, c.other, c.unknown, c.nothing, c.poor, c.refused, c.sized,
+      c.interval_holds);
+}
+
+std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
+  if (!diagnosis) {
+    return "refused";
+  }
+  std::string text(diagnose::verdictName(diagnosis->verdict));
+  for (const diagnose::EffectFinding& effect : diagnosis->effects) {
+    text += fmt::format(" {}@{}{{{}}}", effect.kind, effect.joint + 1,
+                        fmt::join(effect.indistinguishable_from, " "));
+  }
+  return text;
+}
+
+// The size that was found, or what stands against the effect: "gain 12 of 9: stability", or the doubts.
+std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
+  if (!diagnosis) {
+    return {};
+  }
+  if (const auto size = foundSize(*diagnosis, plant)) {
+    return fmt::format("{:.4g} [{:.4g} {:.4g}]", size->value, size->ci95[0], size->ci95[1]);
+  }
+  const std::string label = fmt::format("{}@{}", plant.kind, plant.joint + 1);
+  for (const std::string& warning : diagnosis->warnings) {
+    if (warning.starts_with(label)) {
+      return warning;
+    }
+  }
+  if (!diagnosis->steps.empty()) {
+    for (const diagnose::CandidateScore& score : diagnosis->steps.back().ranking) {
+      if (score.label == label) {
+        return fmt::format("gain {:.1f} of {:.1f}: {}", score.gain, score.threshold, score.refused_because);
+      }
+    }
+  }
+  std::string doubts;
+  for (const diagnose::Doubt& doubt : diagnosis->doubts) {
+    doubts += fmt::format(" {}", diagnose::doubtName(doubt.kind));
+  }
+  return doubts;
 }
 
 }  // namespace
 
-std::string runPlanted(const PlantedOptions& options) {
-  const std::vector<MeasuredRecording> all = measuredRecordings(options.data, options.source);
-  const std::vector<Half> halves = halvesOf(all, options.by_evidence);
-  std::ofstream table;
-  if (!options.out.empty()) {
-    std::filesystem::create_directories(options.out);
-    table.open(options.out / "planted.csv");
-    table << "case,rig,recording,planted,share,verdict,found\n";
+class PlantedCases {
+ public:
+  PlantedCases(const PlantedOptions& options, std::vector<Half> halves)
+      : options_(options), halves_(std::move(halves)) {
+    if (!options.out.empty()) {
+      std::filesystem::create_directories(options.out);
+      table_.open(options.out / "planted.csv");
+      table_ << "case,rig,recording,from,to,plain,planted,parameter,size,in_smallest,answer,remark\n";
+    }
   }
-  Counts sum;
-  std::map<std::string, Counts> by_rig, by_kind;
-  for (std::size_t i = 0; i < options.cases; ++i) {
-    Random random(options.seed, i);
-    const Half& half = halves[random.below(halves.size())];
+
+  void run(std::size_t index) {
+    Random random(options_.seed, index);
+    const Half& half = halves_[random.below(halves_.size())];
     const double length = (half.to - half.from) * random.uniform(0.75, 1.0);
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
-    Recording recording = part(half.source->recording, from, from + length);
-    const model::DynamicsModel bare = app::makeModel({.mechanism = half.model.mechanism, .effects = {}});
-    std::optional<Plant> plant;
-    if (!random.chance(options.plain_share)) {
-      const auto joint = static_cast<int>(random.below(static_cast<std::size_t>(recording.joints)));
-      const diagnose::Dataset data(std::span(&recording, 1), {});
-      plant = drawPlant(sizeOf(data, bare, joint), joint, random);
-      plantIn(recording, *plant, bare.mechanism());
+    const Recording recording = part(half.source->recording, from, from + length);
+    const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
+    const std::optional<diagnose::Diagnosis> best = plain ? decide(recording, plain->extended) : std::nullopt;
+    const std::optional<Plant> plant =
+        best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
+    std::optional<diagnose::Diagnosis> answer;
+    if (plant) {
+      answer = diagnosePlanted(recording, plain->extended, *plant);
     }
-    diagnose::Diagnosis diagnosis = decide(recording, half.model, options.by_evidence);
-    keepAsserted(diagnosis);
-    for (Counts* counts : {&sum, &by_rig[half.source->rig], &by_kind[plant ? plant->kind : "nothing"]}) {
-      mark(diagnosis, plant, *counts);
-    }
-    std::string found;
-    for (const diagnose::EffectFinding& effect : diagnosis.effects) {
-      found += fmt::format("{}@{}{{{}}} ", effect.kind, effect.joint + 1,
-                           fmt::join(effect.indistinguishable_from, " "));
+    const std::string kind = plant ? plant->kind : "nothing";
+    const bool is_false =
+        plain && std::any_of(plain->effects.begin(), plain->effects.end(),
+                             [&](const auto& effect) { return contradicted(effect, plain->extended, half); });
+    const std::lock_guard lock(mutex_);
+    for (Counts* counts : {&sum_, &by_rig_[half.source->rig], &by_kind_[kind]}) {
+      ++counts->plain;
+      counts->plain_named += plain && !plain->effects.empty() ? 1 : 0;
+      counts->plain_false += is_false ? 1 : 0;
+      counts->plain_refused += plain ? 0 : 1;
+      counts->nothing_shows += plain && !plant ? 1 : 0;
+      if (plant) {
+        mark(answer, *plant, *counts);
+      }
     }
     const std::string row =
-        fmt::format("{},{},{},{},{:.3f},{},{}", i, half.source->rig, half.source->name,
+        fmt::format("{},{},{},{:.3f},{:.3f},{},{},{},{:.4g},{:.3f},{},{}", index, half.source->rig,
+                    half.source->name, from, from + length, foundText(plain) + (is_false ? " FALSE" : ""),
                     plant ? fmt::format("{}@{}", plant->kind, plant->joint + 1) : "",
-                    plant ? plant->share : 0.0, diagnose::verdictName(diagnosis.verdict), found);
+                    plant ? plant->main : "", plant ? plant->size : 0.0, plant ? plant->in_smallest : 0.0,
+                    plant ? foundText(answer) : "", plant ? remark(answer, *plant) : "");
     std::fprintf(stderr, "%s\n", row.c_str());
-    if (table.is_open()) {
-      table << row << "\n" << std::flush;
+    if (table_.is_open()) {
+      table_ << row << "\n" << std::flush;
     }
   }
-  std::string text = fmt::format("  {:<34}{:>7}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "", "plain", "false",
-                                 "planted", "right", "in a set", "false", "unknown", "nothing");
-  for (const auto& [rig, counts] : by_rig) {
-    text += line(rig, counts);
+
+  std::string summary() const {
+    std::string text = heading();
+    for (const auto& [rig, counts] : by_rig_) {
+      text += line(rig, counts);
+    }
+    for (const auto& [kind, counts] : by_kind_) {
+      text += line(kind, counts);
+    }
+    return text + line("all", sum_);
   }
-  for (const auto& [kind, counts] : by_kind) {
-    text += line(kind, counts);
+
+ private:
+  static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
+                                                            const model::ModelDescription& best,
+                                                            const Plant& plant) {
+    plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
+    return decide(recording, best);
   }
-  return text + line("all", sum);
+
+  PlantedOptions options_;
+  std::vector<Half> halves_;
+  std::mutex mutex_;
+  std::ofstream table_;
+  Counts sum_;
+  std::map<std::string, Counts> by_rig_, by_kind_;
+};
+
+std::string runPlanted(const PlantedOptions& options) {
+  const std::vector<MeasuredRecording> all = measuredRecordings(options.data, options.source);
+  PlantedCases cases(options, halvesOf(all));
+  inParallel(options.threads, options.cases, [&](std::size_t index) { cases.run(index); });
+  return cases.summary();
 }
 
 }  // namespace patella::bench

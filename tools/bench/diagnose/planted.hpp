@@ -14,12 +14,12 @@ struct PlantedOptions {
   std::filesystem::path out;     ///< folder for planted.csv; empty: none
   std::size_t cases = 100;
   std::uint64_t seed = 1;
-  double plain_share = 0.4;  ///< of the cases
-  bool by_evidence = false;
+  unsigned threads = 1;
 };
 
-/// Diagnoses parts of one half of a recording with the model that the other half led to, plain or with the
-/// torque of a drawn effect added to the measured one. Returns a summary for the console.
+/// Diagnoses parts of one half of a recording with the model that the other half led to. Then adds to the
+/// measured torque that of an effect which the part would have revealed, half of them exactly as large as the
+/// smallest, and diagnoses with the part's own best model. Returns a summary for the console.
 std::string runPlanted(const PlantedOptions& options);
 
 }  // namespace patella::bench

@@ -142,7 +142,7 @@ Pair counted(const Pair& angle, double step_rad) {
   return {step_rad * std::round(angle[0] / step_rad), step_rad * std::round(angle[1] / step_rad)};
 }
 
-// What a loader makes of the rows: straight lines between the positions that came, at equal times; a lost
+// The rows as a loader reads them: straight lines between the positions that came, at equal times; a lost
 // torque is held.
 void resample(const Rig& rig, Run& run, std::size_t count) {
   diagnose::Recording& recording = run.recording;

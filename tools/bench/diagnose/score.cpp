@@ -124,7 +124,7 @@ bool keptByDeclared(const Diagnosis& diagnosis, const EffectFinding& finding,
                     const diagnose::ParameterEstimate& estimate) {
   return estimate.ci95[0] == estimate.ci95[1] && estimate.name.ends_with("_Nms_rad") &&
          std::any_of(diagnosis.extended.effects.begin(), diagnosis.extended.effects.end(),
-                     [&](const app::EffectDescription& effect) {
+                     [&](const model::EffectDescription& effect) {
                        return effect.kind == "viscous_friction" && effect.joint == finding.joint;
                      });
 }

@@ -42,7 +42,7 @@ struct TrueFinding {
   int emg_channel = 0;                 ///< from 1; 0: none
 };
 
-/// What is right to say of a case.
+/// The right answer to a case.
 struct Truth {
   Suite suite = Suite::kNone;
   std::vector<TrueFinding> effects;
@@ -89,7 +89,7 @@ Truth truthOf(const Case& drawn);
 Score score(const Truth& truth, const diagnose::Diagnosis& diagnosis);
 Score scoreCase(const Case& drawn, const diagnose::Diagnosis& diagnosis);
 
-/// What a finding may be: each alternative is a sum of effects on joints from 0.
+/// The allowed findings: each alternative is a sum of effects on joints from 0.
 struct Part {
   std::string kind;
   int joint = 0;

@@ -1,4 +1,4 @@
-// What many cases say together: tables for the console and pictures.
+// Summary of many cases: tables for the console and pictures.
 #pragma once
 
 #include <cstddef>

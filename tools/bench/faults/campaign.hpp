@@ -19,7 +19,7 @@ struct CampaignOptions {
 std::vector<TrialResult> runCampaign(const app::RunConfig& base, const CampaignOptions& options,
                                      const std::function<void(int)>& progress = {});
 
-/// What a campaign must not find.
+/// Findings that a campaign must not have.
 struct Verdict {
   std::uint64_t limit_violations = 0;
   std::uint64_t unlatched = 0;

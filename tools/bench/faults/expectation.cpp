@@ -110,7 +110,7 @@ std::optional<double> silence(const Sight& sight, double timeout_s, double perio
   double since_s = 0.0;
   double burst_s = -1.0;
   const auto found = sight.walk(kSample_s, [&](double t, bool there, bool) {
-    // What is held back comes at the end of each burst, however soon the next one begins.
+    // Frames that are held back come at the end of each burst, however soon the next one begins.
     const bool held =
         sight.event().kind == FaultKind::kRigStall || sight.event().kind == FaultKind::kDelayedFrames;
     const bool next = std::exchange(burst_s, sight.event().burstStart(t)) != sight.event().burstStart(t);

@@ -1,4 +1,4 @@
-// What the loop owes for a fault: a stop, and until when.
+// The loop's duty after a fault: a stop, and until when.
 #pragma once
 
 #include <optional>

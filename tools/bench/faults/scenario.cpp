@@ -15,7 +15,7 @@ using sim::FrameChannel;
 constexpr double kMild = 0.25;
 constexpr double kComesAndGoes = 0.4;
 
-// What the rig sends and the loop cannot do without, the command, or everything.
+// Messages of the rig that the loop cannot do without, the command, or all.
 int randomFrameChannel(Dice& dice) {
   const int drawn = dice.below(sim::kFrameChannelCount + 1);
   return drawn == sim::kFrameChannelCount ? FaultEvent::kAll : drawn;

@@ -9,7 +9,7 @@
 namespace patella::bench {
 namespace {
 
-// What is computed from a measurement that a stall has made old is not sent; after the command a stall only
+// A command from a measurement that a stall has made old is not sent; after the command a stall only
 // makes the next tick late.
 bool beforeTheCommand(const sim::FaultEvent& stall) {
   return stall.stage && *stall.stage <= tick::Stage::kSend;

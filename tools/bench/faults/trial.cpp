@@ -7,6 +7,7 @@
 
 #include "core/safety/leaky_score.hpp"
 #include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/loop_faults.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tools/bench/faults/expectation.hpp"
@@ -45,7 +46,7 @@ class Judge final : public can::Bus {
       started_ = true;
       epoch_ns_ = now_ns;
     }
-    // What the tick before left: the line must not be up without an enabling command.
+    // State after the tick before: the line must not be up without an enabling command.
     violations += pins_.driveEnable() && !enabled_ ? 1U : 0U;
     const std::size_t count = bus_.receive(frames, now_ns);
     for (std::size_t i = 0; i < count; ++i) {
@@ -230,7 +231,7 @@ std::vector<Reaction> reactions(const app::RunConfig& scenario, const sim::Rig& 
     found.push_back(react(disobedienceKind(scenario), since_s,
                           putOff(owed_s + 2e-3, since_s, nullptr, scenario), stopped_s));
   }
-  // What would be owed after the end of the run is not judged.
+  // Stops owed after the end of the run are not judged.
   std::erase_if(found, [](const Reaction& r) { return r.effect_s + r.budget_s > kTrialDuration_s - 5e-3; });
   return found;
 }
@@ -249,7 +250,15 @@ TrialResult runTrial(const app::RunConfig& scenario, std::uint64_t seed) {
   sim::DisturbedClock loop_clock(clock, scenario.faults);
   sim::DisturbedPins loop_pins(pins, loop_clock, scenario.faults);
   sim::StallProbe stalls(loop_clock);
-  app::Loop loop(scenario.loop, loop_clock, judge, loop_pins, decoder, encoder, *tick, nullptr);
+  app::RunAccount account;
+  app::Loop loop({.options = scenario.loop,
+                  .clock = loop_clock,
+                  .bus = judge,
+                  .pins = loop_pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   loop.probedBy(stalls);
   const std::atomic<bool> stop{false};
   loop.run(stop);
@@ -264,7 +273,7 @@ TrialResult runTrial(const app::RunConfig& scenario, std::uint64_t seed) {
   const bool at_the_end = judge.stopped_s >= kTrialDuration_s - 1e-3;
   result.stopped_s = at_the_end ? -1.0 : judge.stopped_s;
   result.stopped_before = result.stopped_s >= 0.0 && result.stopped_s < kFirstFault_s;
-  result.first_cause = loop.statistics().latched.first();
+  result.first_cause = account.statistics().latched.first();
   result.reactions = reactions(scenario, *rig, judge, result.stopped_s);
   return result;
 }

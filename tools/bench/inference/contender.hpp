@@ -1,4 +1,4 @@
-// What takes part in the comparison: something to time, and what has to happen before it without being timed.
+// A contender of the comparison: a step to time, and its preparation, which is not timed.
 #pragma once
 
 #include <functional>

@@ -178,7 +178,7 @@ void run(const MeasurementOptions& options) {
   printRatios(field, timings[0]);
 }
 
-// What 16 bits cost trained networks: by how much the outputs may differ.
+// The cost of 16 bits for trained networks: by how much the outputs may differ.
 void printInt16Errors(const std::vector<std::string>& files) {
   std::printf(
       "largest difference of int16 from float32, in units of output_scale, on sines and noise once and "

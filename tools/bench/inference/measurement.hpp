@@ -9,7 +9,7 @@
 
 namespace patella::bench {
 
-/// What happens before a timed step.
+/// Preparation before a timed step.
 enum class Condition {
   kHot,     ///< one step directly after the other
   kIdle,    ///< the thread has slept for 1 ms

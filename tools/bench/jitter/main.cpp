@@ -20,11 +20,12 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/json_file.hpp"
 #include "tools/bench/jitter/output.hpp"
-#include "tools/bench/jitter/process.hpp"
+#include "tools/process/process.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
+namespace process = patella::process;
 using namespace patella::bench;
 
 struct Arguments {
@@ -70,7 +71,7 @@ Distribution runLoop(const Arguments& arguments, const std::string& cpus) {
   if (!cpus.empty()) {
     command.insert(command.end(), {"--cpus", cpus});
   }
-  const int status = runProgram(command, arguments.out / "loop.txt", kLatchedStop);
+  const int status = process::run(command, arguments.out / "loop.txt", kLatchedStop);
   if (status == kLatchedStop) {
     fmt::print(stderr, "the loop ended in a latched stop\n");
   }
@@ -101,7 +102,7 @@ Distribution runCyclictest(const Arguments& arguments, const std::string& cpus) 
   if (!cpus.empty()) {
     command.insert(command.end(), {"-a", cpus});
   }
-  runProgram(command, output);
+  process::run(command, output);
   return fromCyclictest(contents(output));
 }
 
@@ -133,7 +134,7 @@ Turn together(const Arguments& arguments, int round) {
 
 Comparison compare(const Arguments& arguments, const std::string& condition) {
   Comparison result{condition, {}};
-  std::optional<BackgroundProgram> load;
+  std::optional<process::Background> load;
   if (condition == "loaded") {
     // Processors, memory, page cache, network loopback.
     load.emplace(

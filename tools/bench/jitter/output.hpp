@@ -1,4 +1,4 @@
-// What the comparison says: a table, and a picture.
+// Results of the comparison: a table, and a picture.
 #pragma once
 
 #include <filesystem>

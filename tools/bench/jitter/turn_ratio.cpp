@@ -24,7 +24,7 @@ class LatestFirst {
               [](const Latency& a, const Latency& b) { return a.upper_us > b.upper_us; });
   }
 
-  /// What one of a thousand wake-ups exceeds, turn i drawn times[i] times.
+  /// The p99.9 of the wake-ups, turn i drawn times[i] times.
   double p999_us(const std::vector<std::uint64_t>& times) const {
     const std::uint64_t wanted =
         std::inner_product(counts_.begin(), counts_.end(), times.begin(), std::uint64_t{0}) / 1000;

@@ -6,7 +6,7 @@
 
 #include "drivers/can/can_frame.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
-#include "firmware_app/loop/latency_histogram.hpp"
+#include "firmware_app/recorder/latency_histogram.hpp"
 
 namespace patella::bench {
 

@@ -1,4 +1,4 @@
-// What a stage is measured in.
+// Units in which a stage is measured.
 #pragma once
 
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/tick/stage_probe.hpp"
-#include "firmware_app/loop/latency_histogram.hpp"
+#include "firmware_app/recorder/latency_histogram.hpp"
 #include "tools/bench/tick/counter.hpp"
 
 namespace patella::bench {

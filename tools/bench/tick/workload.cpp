@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include <unistd.h>
-
 #include "drivers/can/socketcan_bus.hpp"
+#include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
 #include "firmware_app/recorder/recorder.hpp"
+#include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
 #include "tools/bench/inference/contender.hpp"
 
@@ -97,13 +97,13 @@ class SamplerAndKalman final : public estimation::Observer {
 };
 
 /// As many as asked for, in turn of these.
-std::vector<app::EffectDescription> someEffects(int count) {
-  const std::vector<app::EffectDescription> kinds = {{"viscous_friction", 0, {0.5}},
-                                                     {"coulomb_friction", 1, {1.5, 0.02}},
-                                                     {"linear_stiffness", 1, {4.0, -0.4}},
-                                                     {"viscous_friction", 1, {0.5}},
-                                                     {"coulomb_friction", 0, {0.5, 0.02}}};
-  std::vector<app::EffectDescription> effects;
+std::vector<model::EffectDescription> someEffects(int count) {
+  const std::vector<model::EffectDescription> kinds = {{"viscous_friction", 0, {0.5}},
+                                                       {"coulomb_friction", 1, {1.5, 0.02}},
+                                                       {"linear_stiffness", 1, {4.0, -0.4}},
+                                                       {"viscous_friction", 1, {0.5}},
+                                                       {"coulomb_friction", 0, {0.5, 0.02}}};
+  std::vector<model::EffectDescription> effects;
   for (int i = 0; i < count; ++i) {
     effects.push_back(kinds[static_cast<std::size_t>(i) % kinds.size()]);
   }
@@ -111,7 +111,7 @@ std::vector<app::EffectDescription> someEffects(int count) {
 }
 
 std::unique_ptr<tick::Tick> makeTick(const app::RunConfig& config, const Workload& workload) {
-  app::ModelDescription model = config.model;
+  model::ModelDescription model = config.model;
   model.effects = someEffects(workload.effects);
   auto observer = app::makeObserver(config.observer, model.joints());
   if (workload.kalman) {
@@ -127,27 +127,9 @@ std::unique_ptr<tick::Tick> makeTick(const app::RunConfig& config, const Workloa
     network = std::make_unique<network::AttentionLstm>(weights);
     features = weights.features;
   }
-  return std::make_unique<tick::Tick>(config.tick, app::makeModel(model), std::move(observer),
+  return std::make_unique<tick::Tick>(config.tick, model::makeModel(model), std::move(observer),
                                       std::move(network), features, network::OutputKind::kAcceleration);
 }
-
-class TemporaryFolder {
- public:
-  TemporaryFolder()
-      : path_(std::filesystem::temp_directory_path() / ("patella-bench-" + std::to_string(getpid()))) {
-    std::filesystem::remove_all(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace
 
@@ -177,13 +159,21 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
   can::MeasurementDecoder decoder = app::makeDecoder(config);
   can::CommandEncoder encoder = app::makeEncoder(config);
   const auto tick = makeTick(config, workload);
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   app::RecorderOptions recording;
   recording.folder = folder.path();
   recording.joints = config.model.joints();
   recording.lossless = !pace.real_time;
   app::Recorder recorder(recording);
-  app::Loop loop(config.loop, clock, *bus, pins, decoder, encoder, *tick, &recorder);
+  app::RunAccount account({.warmup_ticks = config.warmup_ticks}, &recorder);
+  app::Loop loop({.options = config.loop,
+                  .clock = clock,
+                  .bus = *bus,
+                  .pins = pins,
+                  .decoder = decoder,
+                  .encoder = encoder,
+                  .tick = *tick,
+                  .sink = account});
   loop.probedBy(meter);
 
   const std::atomic<bool> stop{false};
@@ -195,7 +185,7 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
   } else {
     loop.run(stop);
   }
-  return loop.statistics();
+  return account.statistics();
 }
 
 }  // namespace patella::bench

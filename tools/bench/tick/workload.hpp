@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/loop_statistics.hpp"
 #include "tools/bench/tick/stage_meter.hpp"
 
 namespace patella::bench {

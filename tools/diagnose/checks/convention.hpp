@@ -31,7 +31,7 @@ struct Convention {
   ConventionKind kind{};
   int joint = -1;       ///< from 0; −1: all, or the kind says which
   double number = 0.0;  ///< recorded per right unit; right less recorded zero, rad; torque too late, s
-  /// What number explains as much, where it was searched for.
+  /// The number that explains as much, where it was searched for.
   std::array<double, 2> range{};
   std::string mistake{};  ///< "q2_rad is in degrees"
   std::string change{};   ///< "q2·π/180": what would put it right
@@ -78,7 +78,7 @@ std::vector<Convention> torqueUnits(const ColumnNames& names, int joint);
 /// A torque, or all (−1), is `factor` times what it should be, as it is before or behind a gear.
 Convention gearConvention(const ColumnNames& names, int joint, double factor);
 
-/// What makes an angle of such a size: degrees, milliradians, counts of an encoder.
+/// Likely unit of an angle of such a size: degrees, milliradians, counts of an encoder.
 const char* likelyAngleUnit(double largest_angle);
 
 }  // namespace patella::diagnose

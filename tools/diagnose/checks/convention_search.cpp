@@ -141,7 +141,7 @@ double percentExplained(double error) {
 
 }  // namespace
 
-ColumnNames columnNames(const app::ModelDescription& model) {
+ColumnNames columnNames(const model::ModelDescription& model) {
   return {.joints = model.joints(),
           .revolute = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism)};
 }
@@ -214,7 +214,7 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
   return all;
 }
 
-void requireConventions(const Recording& recording, const app::ModelDescription& model) {
+void requireConventions(const Recording& recording, const model::ModelDescription& model) {
   const Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
   const Reading given = reader.asGiven();
   const std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
@@ -242,7 +242,7 @@ void requireConventions(const Recording& recording, const app::ModelDescription&
       conventions);
 }
 
-void requireAngles(const Recording& recording, const app::ModelDescription& model) {
+void requireAngles(const Recording& recording, const model::ModelDescription& model) {
   const ColumnNames names = columnNames(model);
   std::string beyond;
   double largest = 0.0;

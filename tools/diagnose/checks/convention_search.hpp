@@ -16,7 +16,7 @@ struct ReadAs {
 /// Every convention with its reading; zeros, shifts and factors of torque where they explain most.
 std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names);
 
-ColumnNames columnNames(const app::ModelDescription& model);
+ColumnNames columnNames(const model::ModelDescription& model);
 
 /// Those that explain the recording far better than it is explained as given, and about as well as effects
 /// explain it: the best, and what is as good; empty where the recording is in the model's own.
@@ -24,10 +24,10 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
 
 /// Throws WrongConvention, naming recording, conventions, what the model explains with them and as given,
 /// where there are wrong ones.
-void requireConventions(const Recording& recording, const app::ModelDescription& model);
+void requireConventions(const Recording& recording, const model::ModelDescription& model);
 
 /// Throws WrongConvention where angles are beyond two turns, unless the model explains them
 /// better as they are.
-void requireAngles(const Recording& recording, const app::ModelDescription& model);
+void requireAngles(const Recording& recording, const model::ModelDescription& model);
 
 }  // namespace patella::diagnose

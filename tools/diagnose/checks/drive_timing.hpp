@@ -9,7 +9,7 @@
 
 namespace patella::diagnose {
 
-/// What a drive makes of commands that come at `rate_Hz` and are held until the next: pure delay, then a
+/// A drive's answer to commands that come at `rate_Hz` and are held until the next: pure delay, then a
 /// first-order lag, exact for any delay and lag (0 allowed). Starts settled at `first_Nm`. One value for each
 /// command, at its instant, N·m.
 std::vector<double> delayedAndLagged(std::span<const double> commanded_Nm, double rate_Hz, double delay_s,

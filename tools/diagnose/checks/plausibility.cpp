@@ -79,7 +79,7 @@ void requireLength(const Recording& recording) {
   }
 }
 
-void requireSignals(const Recording& recording, const app::ModelDescription& model) {
+void requireSignals(const Recording& recording, const model::ModelDescription& model) {
   if (recording.joints != model.joints()) {
     refuse(recording,
            fmt::format("it has {} joints, expected {} as the model has", recording.joints, model.joints()));
@@ -111,7 +111,7 @@ void requireRate(const Recording& recording) {
 
 }  // namespace
 
-void requirePlausible(std::span<const Recording> recordings, const app::ModelDescription& model) {
+void requirePlausible(std::span<const Recording> recordings, const model::ModelDescription& model) {
   for (const Recording& recording : recordings) {
     requireSignals(recording, model);
     if (!recording.is_static) {

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
@@ -13,6 +13,6 @@ namespace patella::diagnose {
 /// model's, values that are not finite, fewer than 200 rows or 2 s (10 postures at rest), a rate too low for
 /// the motion. WrongConvention, which is one, for angles beyond two turns that the model explains no worse as
 /// degrees, and for signals that the model explains far better when they are read in another convention.
-void requirePlausible(std::span<const Recording> recordings, const app::ModelDescription& model);
+void requirePlausible(std::span<const Recording> recordings, const model::ModelDescription& model);
 
 }  // namespace patella::diagnose

@@ -54,14 +54,14 @@ double misfit(const std::vector<double>& error, double floor) {
   return sum;
 }
 
-Reader::Reader(Dataset data, const app::ModelDescription& model)
+Reader::Reader(Dataset data, const model::ModelDescription& model)
     : data_(std::move(data)), model_(model), own_(columnsOf(data_)), at_rest_(restOf(own_)) {}
 
 Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
-  const model::DynamicsModel bare = app::makeModel({.mechanism = model_.mechanism, .effects = {}});
+  const model::DynamicsModel bare = model::makeModel({.mechanism = model_.mechanism, .effects = {}});
   Eigen::MatrixXd columns(data.rows() * data.joints(), static_cast<Eigen::Index>(model_.effects.size()));
   for (std::size_t e = 0; e < model_.effects.size(); ++e) {
-    const app::EffectDescription& effect = model_.effects[e];
+    const model::EffectDescription& effect = model_.effects[e];
     columns.col(static_cast<Eigen::Index>(e)) =
         data.effectTorque(*model::makeEffect(effect.kind, effect.joint, bare.mechanism(), effect.parameters));
   }
@@ -69,7 +69,7 @@ Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
 }
 
 Reader::Columns Reader::columnsOf(const Dataset& data) const {
-  const model::DynamicsModel bare = app::makeModel({.mechanism = model_.mechanism, .effects = {}});
+  const model::DynamicsModel bare = model::makeModel({.mechanism = model_.mechanism, .effects = {}});
   const model::BaseParameters base = bare.mechanism().baseParameters();
   Columns columns;
   const Eigen::MatrixXd declared = declaredOf(data);

@@ -5,13 +5,13 @@
 
 #include <Eigen/Core>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/checks/convention.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose {
 
-/// What the model leaves of each joint's torque, over the joint's load: the torque, or the largest term of
+/// Each joint's residual torque, over the joint's load: the torque, or the largest term of
 /// the model where the joint is not driven, so that passive joints count as much as driven ones.
 struct Reading {
   /// With parameters within convention::kOwnRange, and rubbing: every machine rubs. 0 where a joint is at
@@ -30,7 +30,7 @@ double misfit(const std::vector<double>& error, double floor);
 
 class Reader {
  public:
-  Reader(Dataset data, const app::ModelDescription& model);
+  Reader(Dataset data, const model::ModelDescription& model);
 
   int joints() const noexcept { return data_.joints(); }
   bool moves() const;
@@ -41,7 +41,7 @@ class Reader {
 
  private:
   enum Freedom { kRubbing, kAllEffects };
-  /// What a motion needs from the drives, whatever they gave.
+  /// Torque that a motion needs from the drives, whatever they gave.
   struct Columns {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
     Eigen::MatrixXd effects;  ///< plain ones, four for each joint
@@ -55,7 +55,7 @@ class Reader {
   std::vector<double> errorOf(const Columns& columns, const Column& torque, Freedom freedom) const;
 
   Dataset data_;
-  app::ModelDescription model_;
+  model::ModelDescription model_;
   Columns own_;
   std::vector<bool> at_rest_;
 };

@@ -1,4 +1,4 @@
-// What a diagnosis looks for.
+// The effects that a diagnosis looks for.
 #pragma once
 
 #include <span>

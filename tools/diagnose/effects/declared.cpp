@@ -17,7 +17,7 @@ std::size_t indexOf(const model::EffectDescriptor& descriptor, std::string_view 
 }
 
 // The strengths that the declaration does not set to zero, as groups of indices.
-std::vector<std::vector<std::size_t>> usedGroups(const app::EffectDescription& effect) {
+std::vector<std::vector<std::size_t>> usedGroups(const model::EffectDescription& effect) {
   std::vector<std::vector<std::size_t>> used;
   for (const auto& names : effectHome(effect.kind).strengths) {
     std::vector<std::size_t> indices;
@@ -40,7 +40,7 @@ bool isStrength(std::string_view kind, std::string_view parameter) {
   });
 }
 
-std::shared_ptr<const Recipe> declaredRecipe(const app::EffectDescription& effect) {
+std::shared_ptr<const Recipe> declaredRecipe(const model::EffectDescription& effect) {
   const auto groups = usedGroups(effect);
   if (groups.empty()) {
     return nullptr;
@@ -50,7 +50,7 @@ std::shared_ptr<const Recipe> declaredRecipe(const app::EffectDescription& effec
     std::vector<double> parameters = effect.parameters;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       for (const std::size_t index : groups[g]) {
-        // What is scaled must be a model that can be read again.
+        // A scaled parameter must leave a model that can be read again.
         const model::EffectParameter& range = ranges[index];
         parameters[index] = std::clamp(c[g] * parameters[index], range.minimum, range.maximum);
       }

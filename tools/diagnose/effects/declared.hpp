@@ -4,14 +4,14 @@
 #include <memory>
 #include <string_view>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/effects/recipe.hpp"
 
 namespace patella::diagnose {
 
 /// A recipe whose coefficients are the ratios of the effect's strengths to the declared ones, or nullptr
 /// where the effect has no strength that could be scaled: it is then kept as it is.
-std::shared_ptr<const Recipe> declaredRecipe(const app::EffectDescription& effect);
+std::shared_ptr<const Recipe> declaredRecipe(const model::EffectDescription& effect);
 
 /// Whether an effect's torque grows in proportion to this parameter, so that zero means none of it.
 bool isStrength(std::string_view kind, std::string_view parameter);

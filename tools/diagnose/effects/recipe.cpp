@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/effects/recipe_parts.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -59,6 +60,11 @@ std::shared_ptr<const Recipe> finished(Recipe recipe) {
   return std::make_shared<const Recipe>(std::move(recipe));
 }
 
+// Acts on what the drive gives: on a joint whose drive is off it has nothing to act on.
+bool needsDrive(const EffectHome& home) {
+  return home.shows == Shows::kTorque || home.shows == Shows::kTorqueRate;
+}
+
 }  // namespace
 
 std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
@@ -66,6 +72,7 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const mo
                                                    std::span<const int> channels,
                                                    std::span<const double> smoothing_rad_s, bool leg) {
   constexpr double kAtRest = 1e-4;
+  const std::vector<bool> driven = drivenJoints(data, mechanism);
   std::vector<Recipe> all;
   for (int joint = 0; joint < data.joints(); ++joint) {
     Motion motion = motionOf(data, mechanism, joint);
@@ -74,7 +81,8 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const mo
       const EffectHome& home = effectHome(kind);
       const bool somewhere_else = home.of_knee && joint + 1 != data.joints();
       const bool shown = data.isStatic() ? home.at_rest : motion.velocity_rms > kAtRest;
-      if (!somewhere_else && (leg || !home.of_patient) && shown) {
+      const bool acts = driven[static_cast<std::size_t>(joint)] || !needsDrive(home);
+      if (!somewhere_else && (leg || !home.of_patient) && shown && acts) {
         home.add(motion, channels, all);
       }
     }

@@ -1,4 +1,4 @@
-// What the files call a fit's parameters.
+// Names of a fit's parameters in the files.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// What recipes are made of; and the recipes, by where their effects are: in rubbing surfaces, in the machine,
+// Parts of recipes; and the recipes, by where their effects are: in rubbing surfaces, in the machine,
 // in the patient. Each scales where it looks to how the joint moved.
 #pragma once
 

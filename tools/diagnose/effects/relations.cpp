@@ -32,7 +32,7 @@ bool areAlike(const Recipe& one, const Recipe& other) {
 }
 
 bool contains(const Recipe& recipe, const Recipe& other) {
-  // What has a shape of its own is no special case.
+  // A term with a shape of its own is no special case.
   return other.joint == recipe.joint && other.nonlinear.empty() &&
          std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
 }

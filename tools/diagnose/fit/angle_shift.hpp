@@ -1,4 +1,4 @@
-// What an encoder's offset changes of a mechanism's regressor, as a function of the offset.
+// Change of a mechanism's regressor by an encoder's offset, as a function of the offset.
 #pragma once
 
 #include <vector>

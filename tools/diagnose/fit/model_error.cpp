@@ -8,8 +8,8 @@
 
 namespace patella::diagnose {
 
-ResidualOf residualOf(const Dataset& data, const app::ModelDescription& model) {
-  model::DynamicsModel dynamics = app::makeModel(model);
+ResidualOf residualOf(const Dataset& data, const model::ModelDescription& model) {
+  model::DynamicsModel dynamics = model::makeModel(model);
   const Column torque = data.driveTorque();
   ResidualOf result{.rms = {}, .relative = {}, .residual = torque - data.modelTorque(dynamics)};
   for (int joint = 0; joint < data.joints(); ++joint) {
@@ -20,7 +20,7 @@ ResidualOf residualOf(const Dataset& data, const app::ModelDescription& model) {
 }
 
 ErrorMeasure errorMeasure(const Dataset& train, const std::optional<Dataset>& heldout,
-                          const app::ModelDescription& model) {
+                          const model::ModelDescription& model) {
   const ResidualOf fitted = residualOf(train, model);
   ErrorMeasure measure{.train_rms_Nm = fitted.rms,
                        .heldout_rms_Nm = {},
@@ -40,8 +40,8 @@ ErrorMeasure errorMeasure(const Dataset& train, const std::optional<Dataset>& he
   return measure;
 }
 
-void appendCurves(const Dataset& data, const app::ModelDescription& before,
-                  const app::ModelDescription& after, bool heldout, std::vector<JointCurves>& curves) {
+void appendCurves(const Dataset& data, const model::ModelDescription& before,
+                  const model::ModelDescription& after, bool heldout, std::vector<JointCurves>& curves) {
   const Column first = residualOf(data, before).residual;
   const Column second = residualOf(data, after).residual;
   const Column torque = data.driveTorque();

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
 
@@ -20,14 +20,14 @@ struct ResidualOf {
 };
 
 /// Torque of the drives less that of the model.
-ResidualOf residualOf(const Dataset& data, const app::ModelDescription& model);
+ResidualOf residualOf(const Dataset& data, const model::ModelDescription& model);
 
 /// Errors on the data that were fitted and, where there are any, on those that were not.
 ErrorMeasure errorMeasure(const Dataset& train, const std::optional<Dataset>& heldout,
-                          const app::ModelDescription& model);
+                          const model::ModelDescription& model);
 
 /// Appends motion, torque and what two models leave of it to the curves of each joint.
-void appendCurves(const Dataset& data, const app::ModelDescription& before,
-                  const app::ModelDescription& after, bool heldout, std::vector<JointCurves>& curves);
+void appendCurves(const Dataset& data, const model::ModelDescription& before,
+                  const model::ModelDescription& after, bool heldout, std::vector<JointCurves>& curves);
 
 }  // namespace patella::diagnose

@@ -23,8 +23,8 @@ constexpr double kLargestLogarithm = 1.5;
 constexpr double kRelativeStep = 1e-4;
 constexpr int kIterations = 25;
 
-model::BaseParameters baseParameters(const app::MechanismDescription& mechanism) {
-  return app::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
+model::BaseParameters baseParameters(const model::MechanismDescription& mechanism) {
+  return model::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
 }
 
 std::string cacheKey(const Recipe& recipe, std::span<const double> nu) {
@@ -124,22 +124,23 @@ class ModelFitter::Cost final : public ceres::CostFunction {
   Eigen::Index priors_;
 };
 
-ModelFitter::ModelFitter(const Dataset& data, const app::ModelDescription& nominal, const FitOptions& options)
+ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nominal,
+                         const FitOptions& options)
     : data_(&data), nominal_(nominal), options_(options) {
-  app::MechanismDescription mechanism = nominal.mechanism;
+  model::MechanismDescription mechanism = nominal.mechanism;
   for (const PhysicalParameter& parameter : physicalParameters(mechanism)) {
     names_.push_back(parameter.name);
     values_.push_back(*parameter.value);
-    // What it finds must be a model that can be read again.
+    // The result must be a model that can be read again.
     const double room = std::log(parameter.bound.maximum / *parameter.value);
     largest_logarithm_.push_back(std::min(kLargestLogarithm, room));
   }
-  const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal.mechanism, .effects = {}});
+  const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal.mechanism, .effects = {}});
   regressor_ = data.regressor(dynamics.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
   fixed_torque_ = Eigen::VectorXd::Zero(torque_.size());
   addDeclared(nominal);
-  model::DynamicsModel whole = app::makeModel(nominal);
+  model::DynamicsModel whole = model::makeModel(nominal);
   nominal_torque_ = data.modelTorque(whole);
 }
 
@@ -166,8 +167,8 @@ Eigen::MatrixXd ModelFitter::scaled(const ModelFit& fit, Eigen::MatrixXd columns
   return columns;
 }
 
-void ModelFitter::addDeclared(const app::ModelDescription& nominal) {
-  for (const app::EffectDescription& effect : nominal.effects) {
+void ModelFitter::addDeclared(const model::ModelDescription& nominal) {
+  for (const model::EffectDescription& effect : nominal.effects) {
     if (auto recipe = declaredRecipe(effect)) {
       const std::vector<double> ones(recipe->coefficients(), 1.0);
       declared_.push_back({.recipe = std::move(recipe),
@@ -178,15 +179,15 @@ void ModelFitter::addDeclared(const app::ModelDescription& nominal) {
                            .replaced = {}});
     } else {
       fixed_.push_back(effect);
-      model::DynamicsModel whole = app::makeModel({.mechanism = nominal.mechanism, .effects = {effect}});
-      model::DynamicsModel bare = app::makeModel({.mechanism = nominal.mechanism, .effects = {}});
+      model::DynamicsModel whole = model::makeModel({.mechanism = nominal.mechanism, .effects = {effect}});
+      model::DynamicsModel bare = model::makeModel({.mechanism = nominal.mechanism, .effects = {}});
       fixed_torque_ += data_->modelTorque(whole) - data_->modelTorque(bare);
     }
   }
 }
 
-app::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logarithms) const {
-  app::MechanismDescription mechanism = nominal_.mechanism;
+model::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logarithms) const {
+  model::MechanismDescription mechanism = nominal_.mechanism;
   const std::vector<PhysicalParameter> parameters = physicalParameters(mechanism);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto& [name, value, range] = parameters[i];
@@ -198,7 +199,7 @@ app::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logar
 Eigen::MatrixXd ModelFitter::shift(int joint, double angle_rad) {
   auto found = shifts_.find(joint);
   if (found == shifts_.end()) {
-    const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
+    const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
     found = shifts_.emplace(joint, AngleShift(*data_, dynamics.mechanism(), joint)).first;
   }
   return found->second.at(angle_rad);
@@ -214,7 +215,7 @@ Eigen::MatrixXd ModelFitter::regressorOf(const ModelFit& fit) {
   return regressor;
 }
 
-// What was worked out under this name before, or is now.
+// The result that was worked out under this name before, or is now.
 Eigen::MatrixXd ModelFitter::cached(const std::string& key,
                                     const std::function<Eigen::MatrixXd()>& work_out) {
   if (const auto found = cache_.find(key); found != cache_.end()) {
@@ -238,7 +239,7 @@ Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double>
     column.col(0).segment(recipe.joint * rows, rows) = -nominal_torque_.segment(recipe.joint * rows, rows);
     return column;
   }
-  const model::DynamicsModel dynamics = app::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
+  const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
   if (recipe.shifts_angle) {
     return shift(recipe.joint, nu[0]) * dynamics.mechanism().baseParameters();
   }
@@ -406,8 +407,8 @@ std::vector<double> ModelFitter::effectParameters(const Term& term) {
   return term.recipe->parameters(term.c, term.nu);
 }
 
-app::ModelDescription ModelFitter::describe(const ModelFit& fit) const {
-  app::ModelDescription description{.mechanism = mechanismAt(fit.mechanism), .effects = fixed_};
+model::ModelDescription ModelFitter::describe(const ModelFit& fit) const {
+  model::ModelDescription description{.mechanism = mechanismAt(fit.mechanism), .effects = fixed_};
   for (const Term& term : fit.terms) {
     description.effects.push_back(
         {.kind = term.recipe->kind, .joint = term.recipe->joint, .parameters = effectParameters(term)});

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/fit/angle_shift.hpp"
 #include "tools/diagnose/fit/edges.hpp"
@@ -59,7 +59,7 @@ struct FitOptions {
 class ModelFitter {
  public:
   /// The dataset must outlive it.
-  ModelFitter(const Dataset& data, const app::ModelDescription& nominal, const FitOptions& options);
+  ModelFitter(const Dataset& data, const model::ModelDescription& nominal, const FitOptions& options);
 
   const Dataset& data() const noexcept { return *data_; }
   /// The model as given, refitted within its tolerances.
@@ -78,10 +78,10 @@ class ModelFitter {
 
   /// Basis of a recipe as Columns.
   Eigen::MatrixXd basis(const Recipe& recipe, std::span<const double> nu);
-  /// What the files call this fit.
-  app::ModelDescription describe(const ModelFit& fit) const;
+  /// Name of this fit in the files.
+  model::ModelDescription describe(const ModelFit& fit) const;
   static std::vector<double> effectParameters(const Term& term);
-  /// What a term takes from the drives, as a Column.
+  /// Torque that a term takes from the drives, as a Column.
   Eigen::VectorXd torque(const Term& term);
 
   /// Names and nominal values of the mechanism's parameters, in the order of ModelFit::mechanism.
@@ -90,12 +90,12 @@ class ModelFitter {
 
  private:
   class Cost;
-  app::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
-  /// What Recipe::shifts_angle adds to the mechanism's regressor.
+  model::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
+  /// Addition of Recipe::shifts_angle to the mechanism's regressor.
   Eigen::MatrixXd shift(int joint, double angle_rad);
   /// Regressor of the mechanism where it stands.
   Eigen::MatrixXd regressorOf(const ModelFit& fit);
-  /// What the drives would have to give if they gave what they are told, as a Column.
+  /// Torque that drives which obey would have to give, as a Column.
   Eigen::VectorXd toGive(const ModelFit& fit);
   /// Columns of such torques as the drives are told (Recipe::scales_all).
   Eigen::MatrixXd scaled(const ModelFit& fit, Eigen::MatrixXd columns) const;
@@ -103,10 +103,10 @@ class ModelFitter {
   Eigen::MatrixXd cached(const std::string& key, const std::function<Eigen::MatrixXd()>& work_out);
   void solve(ModelFit& fit, const Weighting& weighting);
   void linearise(ModelFit& fit);
-  void addDeclared(const app::ModelDescription& nominal);
+  void addDeclared(const model::ModelDescription& nominal);
 
   const Dataset* data_;
-  app::ModelDescription nominal_;
+  model::ModelDescription nominal_;
   FitOptions options_;
   std::vector<std::string> names_;
   std::vector<double> values_;
@@ -118,7 +118,7 @@ class ModelFitter {
   Eigen::VectorXd fixed_torque_;  ///< of declared effects that have no free coefficient
   std::vector<Term> declared_;
   double prior_scale_ = 1.0;
-  std::vector<app::EffectDescription> fixed_;  ///< declared effects that are kept as they are
+  std::vector<model::EffectDescription> fixed_;  ///< declared effects that are kept as they are
   std::map<std::string, Eigen::MatrixXd> cache_;
   Eigen::Index cached_numbers_ = 0;
   std::map<int, AngleShift> shifts_;  ///< by joint, once one is asked for

@@ -6,7 +6,7 @@
 
 namespace patella::diagnose {
 
-std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism) {
+std::vector<PhysicalParameter> physicalParameters(model::MechanismDescription& mechanism) {
   std::vector<PhysicalParameter> all;
   if (auto* leg = std::get_if<model::PlanarTwoLinkParameters>(&mechanism)) {
     for (std::size_t link = 0; link < 2; ++link) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/bounds/bounds.hpp"
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 
 namespace patella::diagnose {
 
@@ -16,6 +16,6 @@ struct PhysicalParameter {
 };
 
 /// Those of `mechanism`, which must outlive them; without those that are zero, which have no ratio.
-std::vector<PhysicalParameter> physicalParameters(app::MechanismDescription& mechanism);
+std::vector<PhysicalParameter> physicalParameters(model::MechanismDescription& mechanism);
 
 }  // namespace patella::diagnose

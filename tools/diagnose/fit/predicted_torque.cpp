@@ -4,7 +4,7 @@
 
 namespace patella::diagnose {
 
-TorquePrediction::TorquePrediction(const Dataset& train, const app::ModelDescription& model,
+TorquePrediction::TorquePrediction(const Dataset& train, const model::ModelDescription& model,
                                    const FitOptions& options) {
   ModelFitter fitter(train, model, options);
   const ModelFit fit = fitter.nominal();
@@ -31,8 +31,8 @@ JointVector TorquePrediction::elementary_Nm(const model::EffectInput& state) con
 }
 
 void TorquePrediction::predict(Dataset& data) const {
-  model::DynamicsModel bare = app::makeModel({.mechanism = model_.mechanism, .effects = {}});
-  model::DynamicsModel whole = app::makeModel(model_);
+  model::DynamicsModel bare = model::makeModel({.mechanism = model_.mechanism, .effects = {}});
+  model::DynamicsModel whole = model::makeModel(model_);
   data.setPredictedTorque([&](const Series& series, std::size_t i) -> JointVector {
     // Effects that the model declares may depend on torque themselves: they get the rigid body's.
     model::EffectInput state = series.states[i];

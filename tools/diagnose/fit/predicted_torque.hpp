@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/model/dynamics_model.hpp"
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
@@ -16,7 +16,7 @@ namespace patella::diagnose {
 /// by the given model, refitted within its tolerances, with friction, stiffness and bias on every joint.
 class TorquePrediction {
  public:
-  TorquePrediction(const Dataset& train, const app::ModelDescription& model, const FitOptions& options);
+  TorquePrediction(const Dataset& train, const model::ModelDescription& model, const FitOptions& options);
 
   /// Sets the prediction for these recordings, fitted or held out.
   void predict(Dataset& data) const;
@@ -29,7 +29,7 @@ class TorquePrediction {
 
   JointVector elementary_Nm(const model::EffectInput& state) const;
 
-  app::ModelDescription model_;
+  model::ModelDescription model_;
   std::vector<Share> shares_;
 };
 

@@ -64,8 +64,8 @@ void toNextSample(model::DynamicsModel& dynamics, const Series& series, std::siz
 
 }  // namespace
 
-SimulationError simulationError(const Dataset& data, const app::ModelDescription& model, double window_s) {
-  model::DynamicsModel dynamics = app::makeModel(model);
+SimulationError simulationError(const Dataset& data, const model::ModelDescription& model, double window_s) {
+  model::DynamicsModel dynamics = model::makeModel(model);
   const auto joints = static_cast<std::size_t>(data.joints());
   SimulationError result{.rms_rad = std::vector<double>(joints, 0.0),
                          .motion = std::vector<SimulatedMotion>(joints)};

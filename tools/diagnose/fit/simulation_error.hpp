@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
 
@@ -18,6 +18,6 @@ struct SimulationError {
 /// Simulates windows that start at measured states and run on the measured torque. Where the motion diverges,
 /// its error counts as `kLargest_rad`.
 inline constexpr double kLargest_rad = 10.0;
-SimulationError simulationError(const Dataset& data, const app::ModelDescription& model, double window_s);
+SimulationError simulationError(const Dataset& data, const model::ModelDescription& model, double window_s);
 
 }  // namespace patella::diagnose

@@ -58,7 +58,8 @@ Estimates lastCoefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd
 
 // Half periods by which each joint's torque comes early, beside all that could be missing in its simplest
 // forms.
-Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled, const app::ModelDescription& model) {
+Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled,
+                      const model::ModelDescription& model) {
   ModelFitter fitter(as_held, model, {});
   const ModelFit fit = fitter.nominal();
   const std::vector<ElementaryColumn> plain = elementaryColumns(as_held);
@@ -79,7 +80,7 @@ Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled, const a
 }  // namespace
 
 std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
-                                        const app::ModelDescription& model) {
+                                        const model::ModelDescription& model) {
   std::vector<Recording> unchanged(recordings.begin(), recordings.end());
   if (recordings.empty() || recordings.front().is_static ||
       !std::all_of(recordings.begin(), recordings.end(),

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
@@ -14,6 +14,6 @@ namespace patella::diagnose {
 /// half a period too early for every joint at once. Unchanged where the timing was told, or nothing speaks
 /// against a held torque.
 std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
-                                        const app::ModelDescription& model);
+                                        const model::ModelDescription& model);
 
 }  // namespace patella::diagnose

@@ -28,8 +28,8 @@ std::string effectLine(const EffectFinding& effect, const Units& units) {
   for (std::size_t i = 0; i < effect.indistinguishable_from.size(); ++i) {
     line += (i == 0 ? "; or " : ", ") + effectWords(effect.indistinguishable_from[i]);
   }
-  if (effect.outweighed) {
-    line += "; possibly: it explains less than what nothing explains";
+  if (!effect.asserted()) {
+    line += "; possibly: " + effect.not_asserted_because;
   }
   for (std::size_t i = 0; i < effect.replaces.size(); ++i) {
     line += (i == 0 ? "; in place of the declared " : " and ") + effectWords(effect.replaces[i]);
@@ -37,7 +37,7 @@ std::string effectLine(const EffectFinding& effect, const Units& units) {
   return line;
 }
 
-// What would have explained as much as what was accepted, or more than chance where nothing was, but for its
+// A candidate that would have explained as much as the accepted one, or more than chance, but for its
 // sign: each kind once, where it would have explained most.
 std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
   std::map<std::string, std::pair<double, std::string>> refused;

@@ -36,7 +36,8 @@ Json describeEffect(const EffectFinding& effect) {
           {"indistinguishable_from", effect.indistinguishable_from},
           {"replaces", effect.replaces},
           {"separating_motion", effect.separating_motion},
-          {"outweighed", effect.outweighed}};
+          {"asserted", effect.asserted()},
+          {"not_asserted_because", effect.not_asserted_because}};
 }
 
 Json describeError(const ErrorMeasure& error) {

@@ -87,8 +87,8 @@ std::string verdictText(const Diagnosis& diagnosis) {
     if (!effect.replaces.empty()) {
       text += "<br>in place of what the model declares: " + escaped(joinedWords(effect.replaces));
     }
-    if (effect.outweighed) {
-      text += "<br>possibly: it explains less than what nothing explains";
+    if (!effect.asserted()) {
+      text += "<br>possibly: " + escaped(effect.not_asserted_because);
     }
     if (!effect.separating_motion.empty()) {
       text += "<br>what would tell: " + escaped(effect.separating_motion);

@@ -86,11 +86,11 @@ std::string effectsDocument() {
       "# The library of effects\n\n"
       "This is what `patella-diagnose --list-effects` prints. A model file declares an effect as "
       "`[[effect]]` with its\n"
-      "`kind`, its `joint` (from 1) and its parameters; those that are left out have their initial values. "
-      "The equation is\n"
-      "the torque on the leg in N·m; on a rail read N for N·m, m for rad and kg for kg·m². The loop, the "
-      "simulated rig and\n"
-      "the diagnosis share one implementation of each.\n\n";
+      "`kind`, its `joint` (from 1) and its parameters. Parameters that are left out have their initial "
+      "values. The equation\n"
+      "is the torque on the leg in N·m. On a rail read N for N·m, m for rad and kg for kg·m². The loop, the "
+      "simulated rig\n"
+      "and the diagnosis share one implementation of each.\n\n";
   for (const model::EffectDescriptor* effect : model::effectCatalogue()) {
     text += effectSection(*effect);
   }

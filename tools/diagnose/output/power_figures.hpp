@@ -1,4 +1,4 @@
-// What a recording would have revealed, drawn.
+// Figures of the sizes that a recording would have revealed.
 #pragma once
 
 #include <vector>

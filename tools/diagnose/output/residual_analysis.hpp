@@ -1,4 +1,4 @@
-// What a residual looks like in pictures: binned means, spectrum, autocorrelation.
+// Residuals in pictures: binned means, spectrum, autocorrelation.
 #pragma once
 
 #include <cstddef>

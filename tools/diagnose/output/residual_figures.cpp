@@ -81,7 +81,7 @@ void limitToBulk(Figure& figure, const std::vector<double>& x) {
   }
 }
 
-/// What is left of a joint against a variable, after another residual where there is one. Nothing where the
+/// A joint's residual against a variable, after another residual where there is one. Nothing where the
 /// recording does not have the variable, or where it never changes.
 std::optional<Figure> againstFigure(const Diagnosis& diagnosis, int joint, const Variable& variable,
                                     const Layout& layout, const std::vector<double>* first,
@@ -112,7 +112,7 @@ std::optional<Figure> againstFigure(const Diagnosis& diagnosis, int joint, const
   return figure;
 }
 
-/// What is left over without one effect, and with it; the others are in the model both times.
+/// The residual without one effect, and with it; the others are in the model both times.
 std::optional<Figure> effectFigure(const Diagnosis& diagnosis, const EffectFinding& effect,
                                    const Layout& layout) {
   std::vector<double> without = shareOf(diagnosis, effect, layout);
@@ -132,7 +132,7 @@ std::optional<Figure> effectFigure(const Diagnosis& diagnosis, const EffectFindi
   return figure;
 }
 
-/// What is left of a joint against what it depends on; it alone, as it may be small beside what was
+/// A joint's residual against the variable it depends on; it alone, as it may be small beside what was
 /// explained.
 std::optional<Figure> restFigure(const Diagnosis& diagnosis, const Dependence& dependence,
                                  const Layout& layout) {

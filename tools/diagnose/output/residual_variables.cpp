@@ -23,10 +23,10 @@ const JointCurves& curvesOf(const Diagnosis& diagnosis, int joint) {
 }
 
 /// The effect in the extended model, or nullptr. What was found stands behind what was declared.
-const app::EffectDescription* extendedBy(const Diagnosis& diagnosis, const EffectFinding& finding) {
+const model::EffectDescription* extendedBy(const Diagnosis& diagnosis, const EffectFinding& finding) {
   const auto& effects = diagnosis.extended.effects;
   const auto found =
-      std::find_if(effects.rbegin(), effects.rend(), [&](const app::EffectDescription& effect) {
+      std::find_if(effects.rbegin(), effects.rend(), [&](const model::EffectDescription& effect) {
         return effect.kind == finding.kind && effect.joint == finding.joint;
       });
   return found == effects.rend() ? nullptr : &*found;
@@ -34,7 +34,7 @@ const app::EffectDescription* extendedBy(const Diagnosis& diagnosis, const Effec
 
 /// EMG channel of an effect, from 0. It is no estimate, so that only the extended model tells it.
 int channelOf(const Diagnosis& diagnosis, const EffectFinding& finding) {
-  const app::EffectDescription* effect = extendedBy(diagnosis, finding);
+  const model::EffectDescription* effect = extendedBy(diagnosis, finding);
   const model::EffectDescriptor* descriptor = model::findEffect(finding.kind);
   for (std::size_t i = 0; effect != nullptr && i < effect->parameters.size(); ++i) {
     if (descriptor->parameters[i].name == "channel") {
@@ -153,14 +153,14 @@ NamedValues valuesOf(const Diagnosis& diagnosis, const Variable& variable, const
 }
 
 std::vector<double> shareOf(const Diagnosis& diagnosis, const EffectFinding& finding, const Layout& layout) {
-  const app::EffectDescription* effect = extendedBy(diagnosis, finding);
+  const model::EffectDescription* effect = extendedBy(diagnosis, finding);
   if (effect == nullptr) {
     return {};
   }
   model::DynamicsModel with =
-      app::makeModel({.mechanism = diagnosis.extended.mechanism, .effects = {*effect}});
+      model::makeModel({.mechanism = diagnosis.extended.mechanism, .effects = {*effect}});
   const model::DynamicsModel without =
-      app::makeModel({.mechanism = diagnosis.extended.mechanism, .effects = {}});
+      model::makeModel({.mechanism = diagnosis.extended.mechanism, .effects = {}});
   const auto joints = static_cast<Eigen::Index>(diagnosis.curves.size());
   std::vector<double> share(layout.time_s.size());
   model::EffectInput state;

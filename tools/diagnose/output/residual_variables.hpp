@@ -1,4 +1,4 @@
-// What a residual is drawn against.
+// Variables against which a residual is drawn.
 #pragma once
 
 #include <compare>

@@ -1,4 +1,4 @@
-// What happens over time, drawn: torque, motion and residual.
+// Figures over time: torque, motion and residual.
 #pragma once
 
 #include <vector>

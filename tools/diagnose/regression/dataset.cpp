@@ -34,7 +34,7 @@ Samples everyNth(const Samples& signal, std::size_t step) {
   return kept;
 }
 
-// What acted at the instant of a sample: a held command's mean of the step before and the step after.
+// Torque at the instant of a sample: a held command's mean of the step before and the step after.
 Samples actingTorque(Samples torque, TorqueTiming timing) {
   if (timing == TorqueTiming::kHeld) {
     for (std::size_t i = torque.size() - 1; i > 0; --i) {
@@ -148,7 +148,7 @@ model::EffectInput withTorque(const Series& series, std::size_t i, const JointVe
   return input;
 }
 
-// What an effect is driven by.
+// Input of an effect.
 model::EffectInput inputOf(const model::Effect& effect, const Series& series, std::size_t i) {
   return effect.descriptor().of_drive ? series.states[i]
                                       : withTorque(series, i, series.predicted_torque_Nm[i]);

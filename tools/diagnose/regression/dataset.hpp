@@ -38,7 +38,7 @@ struct Series {
   double rate_Hz = 0.0;
   std::vector<model::EffectInput> states;  ///< smoothed; torque is what was measured to act at the instant
   std::vector<JointVector> acceleration;   ///< rad/s²
-  /// What drives friction and gains that depend on torque: that which a model asks of the drives for this
+  /// Torque for friction and gains that depend on it: that which a model asks of the drives for this
   /// motion, once one has been set; the measured one before.
   std::vector<JointVector> predicted_torque_Nm;
   /// A person's push moves the leg and is answered by the controller, so that motion and torque go with what
@@ -100,7 +100,7 @@ class Dataset {
   Eigen::VectorXd variable(const std::function<double(const Series&, std::size_t)>& value) const;
   /// Time of each row, s.
   const Eigen::VectorXd& time_s() const noexcept { return time_s_; }
-  /// What the band leaves of a sinusoid.
+  /// Gain of the band for a sinusoid.
   double gain(double frequency_Hz) const noexcept;
 
  private:

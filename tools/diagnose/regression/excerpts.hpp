@@ -1,4 +1,4 @@
-// What of long recordings is analysed: an hour of rows for every candidate would take many gigabytes.
+// Excerpts of long recordings: an hour of rows for every candidate would take many gigabytes.
 #pragma once
 
 #include <vector>

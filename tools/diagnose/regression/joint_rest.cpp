@@ -43,15 +43,25 @@ std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechan
   return loads;
 }
 
+std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mechanism) {
+  const Column torque = data.driveTorque();
+  const std::vector<double> loads = loads_Nm(data, mechanism);
+  std::vector<bool> driven;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    driven.push_back(rms(data, torque, joint) > kDriven * loads[static_cast<std::size_t>(joint)]);
+  }
+  return driven;
+}
+
 std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
                                   std::span<const double> noise_Nm) {
   const Column torque = data.driveTorque();
   const std::vector<double> loads = loads_Nm(data, mechanism);
+  const std::vector<bool> driven = drivenJoints(data, mechanism);
   std::vector<JointRest> rests;
   for (int joint = 0; joint < data.joints(); ++joint) {
     const auto j = static_cast<std::size_t>(joint);
-    const double drive_Nm = rms(data, torque, joint);
-    rests.push_back({.torque_Nm = drive_Nm > kDriven * loads[j] ? drive_Nm : loads[j],
+    rests.push_back({.torque_Nm = driven[j] ? rms(data, torque, joint) : loads[j],
                      .left_Nm = rms(data, left, joint),
                      .noise_Nm = noise_Nm[j]});
   }

@@ -1,4 +1,4 @@
-// What a model leaves of a joint's torque, against the torque and against what sensors make.
+// A joint's residual torque, against its torque and against the noise of sensors.
 #pragma once
 
 #include <span>
@@ -27,11 +27,14 @@ struct JointRest {
 /// the torque is small, as gravity is beside an inertia that swings.
 std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism);
 
+/// Joint by joint: whether its torque is more than a sensor's zero beside the load.
+std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mechanism);
+
 /// `left`: residual of the drives' torque; `noise_Nm`: of each joint.
 std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
                                   std::span<const double> noise_Nm);
 
-/// What sensors, and pushes of these rms values, which somebody declared, make of each joint's torque, N·m.
+/// Noise of each joint's torque by sensors and by declared pushes of these rms values, N·m.
 /// `person_Nm`: one for each joint, or empty.
 std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const model::Mechanism& mechanism,
                                   double band_Hz, std::span<const double> person_Nm);

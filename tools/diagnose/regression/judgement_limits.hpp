@@ -34,12 +34,12 @@ inline constexpr double kFarBetter = 0.75;
 /// … and to gain this share of what effects gain on the recording as given, in logarithms: they have several
 /// numbers for each joint, it has one at most.
 inline constexpr double kOfEffects = 0.75;
-/// What effects leave is not left by a convention so many times over, on the mean of the joints: a spring
+/// A convention may leave so many times the rest that effects leave, on the mean of the joints: a spring
 /// that looks like a zero looks like it in a part of the motion only. …
 inline constexpr double kTimesEffects = 5.0;
-/// … Of the load, what good sensors leave of a machine that is known to the last.
+/// … Share of the load that good sensors leave of a machine that is known to the last.
 inline constexpr double kSensors = 0.003;
-/// What leaves no more than this many times what the best leaves is as good: they are named together.
+/// Readings that leave up to this many times the best one's rest are as good: they are named together.
 inline constexpr double kAsGood = 1.25;
 /// Gears of drives for joints end here.
 inline constexpr double kLargestGear = 250.0;
@@ -55,7 +55,7 @@ inline constexpr double kFarthestShift_s = 0.25;
 inline constexpr double kLargestAngle_rad = 12.566;
 }  // namespace convention
 
-/// What of long recordings is analysed.
+/// Excerpts of long recordings.
 namespace length {
 /// The analysis holds a column of this length for every candidate, and its parameters are known to a few
 /// percent by then: longer is of no use and takes gigabytes.

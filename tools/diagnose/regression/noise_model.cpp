@@ -214,7 +214,7 @@ double NoiseProcess::variance(const Eigen::Ref<const Eigen::VectorXd>& column) c
       innovations_.transpose() * innovations_ / static_cast<double>(innovations_.rows());
   double sum = 0.0;
   for (const Block& block : data_->blocks()) {
-    // What an innovation adds to the product from its time on: the recursion of draw(), backwards.
+    // Contribution of an innovation to the product from its time on: the recursion of draw(), backwards.
     const Eigen::Index count = block.end - block.first;
     Eigen::MatrixXd adds = Eigen::MatrixXd::Zero(kBurnIn + count + process_.order, joints);
     for (Eigen::Index t = kBurnIn + count - 1; t >= 0; --t) {

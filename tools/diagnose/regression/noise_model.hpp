@@ -1,4 +1,4 @@
-// What is left when a model explains all it can. Two views of it serve two ends: a mild weighting, under
+// The residual when a model explains all it can. Two views of it serve two ends: a mild weighting, under
 // which a fit stays close to the least error in torque even where the model is wrong, and the full
 // autoregressive process, from which chance is drawn.
 #pragma once

@@ -1,4 +1,4 @@
-// What sensors alone make of the torque that a model leaves.
+// Share of the sensors in the torque that a model leaves.
 #pragma once
 
 #include <span>

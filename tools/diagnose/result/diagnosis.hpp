@@ -1,4 +1,4 @@
-// What a diagnosis found out: plain data, which the JSON file, the report and the console show.
+// Result of a diagnosis: plain data, which the JSON file, the report and the console show.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 
 namespace patella::diagnose {
 
@@ -21,7 +21,7 @@ enum class Verdict {
 /// "effect_found" …
 std::string_view verdictName(Verdict verdict) noexcept;
 
-/// What stands against an answer.
+/// A doubt about an answer.
 struct Doubt {
   /// In the order in which they count: the first that applies to an answer decides (verdict/verdict.hpp).
   enum class Kind {
@@ -67,9 +67,9 @@ struct EffectFinding {
   std::vector<std::string>
       replaces;                   ///< kinds that the model declares on this joint, in whose place it stands
   std::string separating_motion;  ///< what would tell them apart; empty where nothing needs it
-  /// It explains less by itself than what nothing explains: it may be a part of something else, and is not
-  /// asserted.
-  bool outweighed = false;
+  /// Why it is possible only; empty where it is asserted. The reason completes "possibly: ".
+  std::string not_asserted_because{};
+  bool asserted() const noexcept { return not_asserted_because.empty(); }
 };
 
 /// Motion of a joint (m for a prismatic one) simulated over windows that start at measured states, thinned; a
@@ -121,7 +121,7 @@ struct Revealed {
   double share_of_torque = 0.0;  ///< of its joint
 };
 
-/// What the remaining residual depends on, strongest first.
+/// Variables on which the remaining residual depends, strongest first.
 struct Dependence {
   int joint = 0;              ///< whose residual
   std::string variable;       ///< "dq1", "q2", "ddq1", "tau1", "time", "ddq1*q2", …
@@ -161,7 +161,7 @@ struct JointCurves {
   std::vector<bool> heldout;
 };
 
-/// What the model that was found leaves of a joint's torque below the band's edge: rms, N·m.
+/// A joint's residual under the model that was found, below the band's edge: rms, N·m.
 struct RestOfJoint {
   double torque_Nm = 0.0;     ///< of the drive; of the model's load where the joint is not driven
   double structure_Nm = 0.0;  ///< beyond noise
@@ -205,7 +205,7 @@ struct Diagnosis {
   double curves_rate_Hz = 0.0;
   std::uint64_t seed = 0;
   std::vector<InputFile> inputs;
-  app::ModelDescription extended;  ///< what model.extended.toml holds
+  model::ModelDescription extended;  ///< what model.extended.toml holds
   std::string torque_unit = "N·m";
 };
 

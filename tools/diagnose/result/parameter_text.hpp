@@ -14,7 +14,7 @@ struct ParameterName {
   std::string unit;   ///< "rad/s"; empty without one
 };
 
-/// What a joint's position and torque are counted in.
+/// Units of a joint's position and torque.
 struct Units {
   std::string position = "rad";
   std::string torque = "N·m";

@@ -35,7 +35,7 @@ AnalysedRecordings::AnalysedRecordings(std::span<const Recording> recordings,
   }
 }
 
-void AnalysedRecordings::predictTorque(const app::ModelDescription& model, const FitOptions& options) {
+void AnalysedRecordings::predictTorque(const model::ModelDescription& model, const FitOptions& options) {
   const TorquePrediction prediction(train, model, options);
   prediction.predict(train);
   prediction.predict(wide);

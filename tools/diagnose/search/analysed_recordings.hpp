@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/files/model_file.hpp"
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/recordings/recording.hpp"
@@ -19,7 +19,7 @@ struct AnalysedRecordings {
                      double heldout_fraction);
 
   /// Lets a model predict the torque that drives effects (see TorquePrediction).
-  void predictTorque(const app::ModelDescription& model, const FitOptions& options);
+  void predictTorque(const model::ModelDescription& model, const FitOptions& options);
 
   SplitRecordings parts;
   std::vector<int> channels;       ///< EMG channels that every recording has

@@ -71,7 +71,7 @@ std::vector<double> firstEstimate(const Recipe& recipe, const ModelFit& fit, con
 
 bool replaces(const Recipe& recipe, const Term& term) {
   const Recipe& other = *term.recipe;
-  // What was found with a shape of its own is no special case.
+  // A found effect with a shape of its own is no special case.
   return other.joint == recipe.joint && other.nonlinear.empty() &&
          std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
 }
@@ -108,6 +108,17 @@ std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recip
     return some;
   };
   return std::make_shared<const Recipe>(std::move(smaller));
+}
+
+bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom) {
+  if (atom.recipe->coefficients() == 0) {
+    return false;
+  }
+  ModelFit beside = fit;
+  std::erase_if(beside.terms, [&](const Term& term) { return replaces(*atom.recipe, term); });
+  const std::vector<bool> own =
+      ownCoefficients(fitter.basis(*atom.recipe, atom.nu), effectColumns(fitter, beside));
+  return std::find(own.begin(), own.end(), true) == own.end();
 }
 
 std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom,

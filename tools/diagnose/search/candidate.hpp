@@ -17,6 +17,9 @@ bool replaces(const Recipe& recipe, const Term& term);
 std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recipe,
                                       const std::vector<bool>& kept);
 
+/// Whether the terms of the fit that a candidate does not replace give any torque that it can.
+bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom);
+
 /// A fit with a candidate as last term, ready to be fitted; nothing where the terms of the fit already give
 /// any torque that the candidate can. Coefficients that only repeat what other effects give are left out:
 /// what the sum is made of could not be told, and any shares would fit.

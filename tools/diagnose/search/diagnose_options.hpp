@@ -1,4 +1,4 @@
-// What a user asks of a diagnosis.
+// A user's options for a diagnosis.
 #pragma once
 
 #include <cstdint>

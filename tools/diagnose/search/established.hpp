@@ -1,4 +1,4 @@
-// What was found is kept as far as its parameters say anything.
+// Keeps the effects whose parameters are established.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a fit says of an effect's parameters.
+// A fit's estimates of an effect's parameters.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 
 namespace patella::diagnose {
 
-/// What a step of the search has to pass; one is left out to see what it is good for.
+/// Gates that a step of the search has to pass; one is left out to measure its worth.
 struct Gates {
   bool share = true;             ///< a share of the residual that anyone would miss
   bool chance = true;            ///< family-wise p of a parametric bootstrap

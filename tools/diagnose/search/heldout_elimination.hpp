@@ -1,4 +1,4 @@
-// What was found is kept as far as it holds on data that were not fitted.
+// Keeps the effects that hold on data that were not fitted.
 #pragma once
 
 #include <string>

@@ -22,8 +22,8 @@ constexpr double kUndisturbed = 0.05;
 /// less well than the tests suppose.
 constexpr double kMaterial = 0.05;
 
-bool undisturbed(const Dataset& data, const app::ModelDescription& explained, int joint) {
-  model::DynamicsModel dynamics = app::makeModel(explained);
+bool undisturbed(const Dataset& data, const model::ModelDescription& explained, int joint) {
+  model::DynamicsModel dynamics = model::makeModel(explained);
   const Column torque = data.driveTorque();
   return jointRms(data, torque - data.modelTorque(dynamics), joint) <
          kUndisturbed * jointRms(data, torque, joint);
@@ -44,7 +44,7 @@ std::vector<std::shared_ptr<const Recipe>> byWholeTorque(
 }  // namespace
 
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
-                                      const app::ModelDescription& explained, std::span<const int> joints,
+                                      const model::ModelDescription& explained, std::span<const int> joints,
                                       const FitOptions& fit_options, const SelectionOptions& selection) {
   const Dataset data(recordings, kFast);
   if (data.isStatic()) {
@@ -61,7 +61,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
   const std::vector<std::string> kinds{"actuator_delay", "actuator_lag"};
   const std::vector<double> no_friction(static_cast<std::size_t>(data.joints()), 0.0);
   const auto all =
-      byWholeTorque(recipes(data, app::makeModel(explained).mechanism(), kinds, {}, no_friction, false));
+      byWholeTorque(recipes(data, model::makeModel(explained).mechanism(), kinds, {}, no_friction, false));
   std::vector<LateDrive> late;
   for (const int joint : clean) {
     auto considered = all;

@@ -14,7 +14,7 @@ namespace patella::diagnose {
 
 /// A delay or a lag of one drive.
 struct LateDrive {
-  app::EffectDescription effect;
+  model::EffectDescription effect;
   ParameterEstimate estimate;
   Evidence evidence;
 };
@@ -23,7 +23,7 @@ struct LateDrive {
 /// selection, on joints whose torque `explained` leaves little of. Friction and all else that `explained` has
 /// may move within what a fit allows declared effects.
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
-                                      const app::ModelDescription& explained, std::span<const int> joints,
+                                      const model::ModelDescription& explained, std::span<const int> joints,
                                       const FitOptions& fit, const SelectionOptions& selection);
 
 }  // namespace patella::diagnose

@@ -31,7 +31,7 @@ bool holds(std::span<const int> joints, int joint) {
 
 class Finder {
  public:
-  Finder(const AnalysedRecordings& recordings, const app::ModelDescription& model,
+  Finder(const AnalysedRecordings& recordings, const model::ModelDescription& model,
          std::span<const int> moving, std::span<const double> noise_Nm, const DiagnoseOptions& options)
       : recordings_(recordings), model_(model), moving_(moving), noise_Nm_(noise_Nm), options_(options) {}
 
@@ -48,7 +48,7 @@ class Finder {
     if (late_.empty()) {
       found = std::move(first);
     } else {
-      // What the given model leaves is what its own refit leaves.
+      // The given model's residual is that of its own refit.
       found.nominal = std::move(first.nominal);
       found.refitted = std::move(first.refitted);
     }
@@ -60,7 +60,7 @@ class Finder {
 
  private:
   // For what one model lacks.
-  MissingEffects search(const app::ModelDescription& model, std::span<const int> timed_joints) const {
+  MissingEffects search(const model::ModelDescription& model, std::span<const int> timed_joints) const {
     options_.report("columns", 0.0);
     MissingEffects search;
     const Dataset& data = recordings_.train;
@@ -69,7 +69,7 @@ class Finder {
     search.nominal = search.fitter->nominal();
     const std::vector<std::string> kinds = consideredKinds(options_.effects);
     const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
-    auto considered = recipes(data, app::makeModel(model).mechanism(), kinds, recordings_.channels,
+    auto considered = recipes(data, model::makeModel(model).mechanism(), kinds, recordings_.channels,
                               frictionSmoothing(*search.fitter, search.nominal, options_.seed), leg);
     std::erase_if(considered, [&](const auto& recipe) {
       return !holds(moving_, recipe->joint) || (holds(timed_joints, recipe->joint) && isTiming(recipe->kind));
@@ -104,7 +104,7 @@ class Finder {
 
   // A drive is as late in slow motion as in fast, where vibration of the structure may pass for a delay.
   bool slowMotionAgrees(const LateDrive& late, const MissingEffects& first) const {
-    app::ModelDescription model = model_;
+    model::ModelDescription model = model_;
     model.effects.push_back(late.effect);
     ModelFitter fitter(recordings_.train, model, options_.fit());
     const ModelFit& fit = first.selection.fit;
@@ -154,8 +154,8 @@ class Finder {
     }
   }
 
-  app::ModelDescription withLate() const {
-    app::ModelDescription model = model_;
+  model::ModelDescription withLate() const {
+    model::ModelDescription model = model_;
     for (const LateDrive& late : late_) {
       model.effects.push_back(late.effect);
     }
@@ -171,7 +171,7 @@ class Finder {
   }
 
   const AnalysedRecordings& recordings_;
-  const app::ModelDescription& model_;
+  const model::ModelDescription& model_;
   std::span<const int> moving_;
   std::span<const double> noise_Nm_;
   const DiagnoseOptions& options_;
@@ -187,7 +187,7 @@ bool MissingEffects::namesAny() const {
          std::any_of(terms.begin(), terms.end(), [](const Term& term) { return !term.declared; });
 }
 
-MissingEffects findMissing(const AnalysedRecordings& recordings, const app::ModelDescription& model,
+MissingEffects findMissing(const AnalysedRecordings& recordings, const model::ModelDescription& model,
                            std::span<const int> moving, std::span<const double> noise_Nm,
                            const DiagnoseOptions& options) {
   return Finder(recordings, model, moving, noise_Nm, options).find();

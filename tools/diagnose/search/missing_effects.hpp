@@ -1,4 +1,4 @@
-// What a model lacks: the selected effects, and how late the drives are.
+// Effects that a model lacks: those selected, and how late the drives are.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ namespace patella::diagnose {
 struct MissingEffects {
   std::unique_ptr<ModelFitter> fitter;  ///< of the selection
   ModelFit nominal;                     ///< the model as given, refitted within its tolerances
-  app::ModelDescription refitted;       ///< the same for files
+  model::ModelDescription refitted;     ///< the same for files
   Atoms atoms;
   Selection selection;
   std::vector<const Recipe*> outweighed;  ///< of the selection: less than what nothing explains
@@ -30,7 +30,7 @@ struct MissingEffects {
 /// missing is looked for anew beside their delays. What does not hold on held-out data, or is known too badly
 /// to say anything, is dropped again. `noise_Nm`: what sensors and declared pushes make of each joint. The
 /// recordings must outlive the result.
-MissingEffects findMissing(const AnalysedRecordings& recordings, const app::ModelDescription& model,
+MissingEffects findMissing(const AnalysedRecordings& recordings, const model::ModelDescription& model,
                            std::span<const int> moving, std::span<const double> noise_Nm,
                            const DiagnoseOptions& options);
 

@@ -25,7 +25,7 @@ Joints leftBy(ModelFitter& fitter, const ModelFit& fit) {
   return joints;
 }
 
-// What only an effect explains over what nothing explains, on the joint where that is most.
+// The part that only this effect explains over the unexplained rest, on the joint where that is most.
 double overRest(const Joints& with, const Joints& without, std::span<const double> noise_Nm) {
   double most = 0.0;
   for (std::size_t joint = 0; joint < with.square_Nm2.size(); ++joint) {

@@ -98,7 +98,7 @@ std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, doub
       *known = std::move(candidate);
     }
   }
-  // What physics refuses comes last: it is shown, not fitted.
+  // Candidates that physics refuses come last: they are shown, not fitted.
   std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) {
     return std::pair(a.refused_because.empty(), a.score) > std::pair(b.refused_because.empty(), b.score);
   });
@@ -161,7 +161,7 @@ Candidate* fitBest(ModelFitter& fitter, const ModelFit& current, double cost,
 SelectionStep describeStep(const std::vector<Candidate>& candidates, double threshold, double cost) {
   SelectionStep step;
   for (const Candidate& candidate : candidates) {
-    // What physics refuses is shown with what it would have explained.
+    // Candidates that physics refuses are shown with what they would have explained.
     const bool fitted = candidate.fit && !unphysical(candidate.refused_because);
     const double gain = fitted ? candidate.gain : candidate.screened->gain;
     step.ranking.push_back({.label = candidate.atom->label,

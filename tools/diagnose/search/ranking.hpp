@@ -22,7 +22,7 @@ double parameters(const ModelFit& fit);
 /// up, the one that says less is the simpler.
 double parametersInUse(const ModelFit& fit);
 
-/// What a parameter costs in −2 log-likelihood (Bayesian information criterion).
+/// Cost of a parameter in −2 log-likelihood (Bayesian information criterion).
 double parameterCost(const ModelFit& fit);
 
 /// The same draws for all candidates, so that they are compared under the same luck.

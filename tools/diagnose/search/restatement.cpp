@@ -269,7 +269,7 @@ class Restatement {
     return fitter_.fit(std::move(*start), *selection_.fit.weighting);
   }
 
-  // What a fit leaves and what its parameters cost, those that the model had already left out.
+  // Residual of a fit plus the cost of its parameters, without those that the model had already.
   double worth(const ModelFit& fit) const {
     double declared = 0.0;
     for (const Term& term : fit.terms) {

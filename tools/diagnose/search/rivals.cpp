@@ -38,7 +38,7 @@ constexpr double kWithin95 = 2.0;
 /// Share of what Stribeck's friction explains from which on dry friction may be all there is.
 constexpr double kNearlyAll = 0.85;
 
-/// What the search for rivals of one found effect shares.
+/// Data shared by the search for rivals of one found effect.
 class RivalSearch {
  public:
   RivalSearch(ModelFitter& fitter, const ModelFit& found, const ModelFit& smaller, std::size_t term,

@@ -1,4 +1,4 @@
-// What else would explain the data as well as a found effect does.
+// Rivals: effects that would explain the data as well as a found one does.
 #pragma once
 
 #include <cstdint>

@@ -102,7 +102,7 @@ double clusteredVariance(const std::vector<Eigen::VectorXd>& basis, Eigen::Vecto
       sum += product * product;
     }
   }
-  // What the basis took up of the residual is missing in the sums.
+  // The part of the residual that the basis took up is missing in the sums.
   const auto taken = static_cast<double>(basis.size());
   return sum / taken * static_cast<double>(kClusters) / (static_cast<double>(kClusters) - taken);
 }
@@ -255,7 +255,8 @@ void Screening::drawChance(const Dataset& data, const ModelFit& fit, const Scree
     if (group.count > 0) {
       group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
                    static_cast<double>(group.count * products_.cols());
-      results_[g].gain = results_[g].raw_gain / withMotion(group, group.unit);
+      const double raw = results_[g].raw_gain;
+      results_[g].gain = raw > 0.0 ? raw / withMotion(group, group.unit) : 0.0;
     }
   }
 }
@@ -277,7 +278,9 @@ std::vector<double> Screening::chance(const Statistic& statistic) const {
       if (group.count == 0 || (group.one_sided && products_(group.first, r) < 0.0F)) {
         continue;
       }
-      const double gain = products_.col(r).segment(group.first, group.count).squaredNorm() / group.unit;
+      const double square = products_.col(r).segment(group.first, group.count).squaredNorm();
+      // Where a fit leaves nothing at all, chance brings nothing, and its unit is none.
+      const double gain = square > 0.0 ? square / group.unit : 0.0;
       double& best = largest[static_cast<std::size_t>(r)];
       best = std::max(best, statistic(gain, group.dimensions));
     }

@@ -36,7 +36,7 @@ struct Atoms {
   Eigen::MatrixXd of(const Atom& atom) const;
 };
 
-/// What an atom would explain beyond the fit.
+/// The gain of an atom beyond the fit.
 struct Screened {
   std::size_t atom = 0;
   double raw_gain = 0.0;    ///< fall of the weighted squared error
@@ -89,7 +89,7 @@ class Screening {
   Eigen::VectorXf products(const Eigen::VectorXd& rows) const;
 
  private:
-  /// What the fit leaves, weighted, over the rows of the recording and below them those of the priors.
+  /// The fit's weighted residual over the rows of the recording, and below them over those of the priors.
   struct Left {
     const Eigen::VectorXd& residual;
     Eigen::Index white_rows;

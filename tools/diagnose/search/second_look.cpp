@@ -55,7 +55,7 @@ class Looker {
   }
 
  private:
-  /// What looking at one atom takes, worked out once.
+  /// Data for looking at one atom, worked out once.
   struct Shape {
     /// Whatever may take up something: free parameters, nuisance, the atom.
     Eigen::MatrixXd all;

@@ -31,7 +31,7 @@ constexpr double kClearLine = 100.0;
 constexpr double kMaterialRelief = 4.0;
 constexpr double kLeastStability = 0.8;
 constexpr double kCrossValidationErrors = 1.5;
-/// What is said of a candidate that chance does not bring, but does not hold in every part of a recording.
+/// Text on a candidate that is beyond chance, but does not hold in every part of a recording.
 constexpr const char* kUnsteady = "cross-validation";
 constexpr const char* kUnstable = "stability";
 /// By how many times its margin a candidate must be the clearer one, to be tried where the best was refused.
@@ -136,7 +136,7 @@ class Selector {
                    .p_value = p_value};
   }
 
-  // What explains most need not be what is least likely by chance: where noise is slow, slow torque counts
+  // The best explanation need not be the least likely one by chance: where noise is slow, slow torque counts
   // for little. Returns a candidate of which screening and fit say more than `margin`.
   Candidate* fitClearer(const ModelFit& current, std::vector<Candidate>& candidates, double margin) {
     const auto isClearer = [&](Candidate& candidate) {
@@ -165,7 +165,7 @@ class Selector {
     return share;
   }
 
-  // What was known beforehand speaks against a fit by so many squared standard deviations less.
+  // Prior knowledge counts against a fit by so many squared standard deviations less.
   double reliefOf(const ModelFit& larger) const {
     return (result_.fit.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
            std::pow(larger.prior_scale, 2);
@@ -204,7 +204,7 @@ class Selector {
       }
     }
     evidence.push_back({.p_value = p_value, .gain = best.gain, .rivals = {}});
-    // What is left now is nearer to the noise: weighted by it, everything is fitted once more.
+    // The residual is nearer to the noise now: weighted by it, everything is fitted once more.
     const Eigen::VectorXd residual = best.fit->residual;
     fitter_.setRedundancy(redundancy(fitter_.data(), *best.fit, kUnitSeed));
     result_.fit = fitter_.fit(std::move(*best.fit), Weighting(fitter_.data(), residual));

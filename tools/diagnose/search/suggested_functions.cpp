@@ -36,7 +36,7 @@ double restPosition(const Dataset& data, const ModelFit& fit, int joint) {
   return offline::quantile(positions, 0.5);
 }
 
-// What the other joint's position or velocity does in straight proportion.
+// Torque in straight proportion to the other joint's position or velocity.
 void addCoupling(const Dataset& data, FunctionAtoms& atoms) {
   for (int joint = 0; joint < data.joints(); ++joint) {
     for (int other = 0; other < data.joints(); ++other) {

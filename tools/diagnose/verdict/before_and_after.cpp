@@ -18,7 +18,7 @@ constexpr double kOutOfProportion = 2.5;
 constexpr double kCost = 1.05;
 
 void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
-               const app::ModelDescription& given, Diagnosis& result) {
+               const model::ModelDescription& given, Diagnosis& result) {
   result.simulation_window_s = kSimulationWindow_s;
   result.curves_rate_Hz = train.rate_Hz();
   appendCurves(train, given, result.extended, false, result.curves);
@@ -38,14 +38,14 @@ bool isWorse(const Diagnosis& result, const std::vector<double>& unit_Nm) {
   return more > 0.0;
 }
 
-// What does not hold on data that it was not fitted to is not added. A hip's noise is several times a knee's,
+// Effects that do not hold on held-out data are not added. A hip's noise is several times a knee's,
 // so joints count in units of theirs. Where nothing was named to explain it, what a fit leaves may be no
 // noise: refitted parameters then have to hold in plain torque, too.
-void keepOnlyWhatHolds(const app::ModelDescription& given, Diagnosis& result) {
+void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) {
   // A finding that the model does not hold, such as a tremor whose phase wanders, has made nothing worse.
   const auto was_added = [&result](const EffectFinding& finding) {
     return std::any_of(result.extended.effects.begin(), result.extended.effects.end(),
-                       [&](const app::EffectDescription& effect) {
+                       [&](const model::EffectDescription& effect) {
                          return effect.kind == finding.kind && effect.joint == finding.joint;
                        });
   };
@@ -81,7 +81,7 @@ void tellWhichJointPays(Diagnosis& result) {
   }
 }
 
-// What happens only in the part that was held out has left no trace in the one that was fitted.
+// An event of the held-out part alone has left no trace in the fitted one.
 void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = result.noise_floor_Nm[joint];
@@ -120,7 +120,7 @@ void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result) {
 }
 
 void leaveAsItWas(const Dataset& train, const std::optional<Dataset>& heldout,
-                  const app::ModelDescription& given, Diagnosis& result) {
+                  const model::ModelDescription& given, Diagnosis& result) {
   result.extended = given;
   result.before = errorMeasure(train, heldout, given);
   result.refitted = result.before;

@@ -11,9 +11,9 @@ namespace patella::diagnose {
 struct BeforeAndAfter {
   const Dataset& train;
   const std::optional<Dataset>& heldout;
-  const app::ModelDescription& given;
-  app::ModelDescription refitted;  ///< the given model with its nominal parameters fitted
-  app::ModelDescription extended;
+  const model::ModelDescription& given;
+  model::ModelDescription refitted;  ///< the given model with its nominal parameters fitted
+  model::ModelDescription extended;
   Column unexplained;  ///< what the extended model leaves of the training data's whole torque
 };
 
@@ -24,6 +24,6 @@ void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result);
 
 /// The same where nothing was fitted.
 void leaveAsItWas(const Dataset& train, const std::optional<Dataset>& heldout,
-                  const app::ModelDescription& given, Diagnosis& result);
+                  const model::ModelDescription& given, Diagnosis& result);
 
 }  // namespace patella::diagnose

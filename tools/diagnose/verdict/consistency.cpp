@@ -13,7 +13,7 @@
 namespace patella::diagnose {
 namespace {
 
-/// What differs between recordings, significantly and by enough to matter: sentences, and dependences on the
+/// Differences between recordings, significant and large enough to matter: sentences, and dependences on the
 /// variable "recording".
 struct Contradictions {
   std::vector<std::string> what;

@@ -36,7 +36,7 @@ std::vector<Variable> variables(const Dataset& data, std::span<const int> channe
   };
   state("q", [](const Series& s, std::size_t i) { return s.states[i].q; });
   if (data.isStatic()) {
-    // What changed from posture to posture and is not in the recording.
+    // A variable that changed from posture to posture and is not in the recording.
     all.push_back({.name = "order",
                    .value = [](const Series& s, std::size_t i) { return s.states[i].time_s; },
                    .factor = {}});
@@ -132,7 +132,7 @@ Atoms functionAtoms(const Dataset& data, const ModelFit& fit, std::span<const in
   return std::move(atoms).finished();
 }
 
-// What may take up what it can beside the fitted parameters: a constant on every joint, whose name is known
+// Free terms beside the fitted parameters: a constant on every joint, whose name is known
 // where there is one; and slow accelerations. A person's push moves the leg, so a residual always goes with
 // them to some degree; and that is straight proportion, which the inertias mostly take up.
 Eigen::MatrixXd nuisance(const Dataset& data) {
@@ -152,8 +152,12 @@ Eigen::MatrixXd nuisance(const Dataset& data) {
 
 // Larger for what is less likely by chance.
 double surprise(double gain, int dimensions) {
-  if (dimensions == 0 || gain <= 0.0) {
+  if (dimensions == 0 || !(gain > 0.0)) {
     return 0.0;
+  }
+  if (!std::isfinite(gain)) {
+    // A fit that leaves nothing: chance would have brought nothing either.
+    return gain;
   }
   // Beyond this the tail has no digits left; the gain still orders.
   constexpr double kLeast = 1e-280;

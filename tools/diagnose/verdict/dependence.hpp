@@ -1,5 +1,5 @@
-// What the residual of a fit depends on, whatever the shape: the evidence that something is missing which no
-// effect of the library explains.
+// Variables on which a fit's residual depends, whatever the shape: evidence that something is missing which
+// no effect of the library explains.
 #pragma once
 
 #include <cstdint>

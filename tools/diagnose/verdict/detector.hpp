@@ -12,7 +12,7 @@
 
 namespace patella::diagnose {
 
-/// What a shape of torque is worth to a recording.
+/// Detectability of a shape of torque in a recording.
 struct Detectable {
   /// Smallest torque that is told from chance in half of all recordings, in units of the joint's noise (rms
   /// of what the fit leaves); infinite where none is.

@@ -99,13 +99,13 @@ std::optional<std::size_t> untoldJoint(const Excitation& excitation, std::size_t
 }  // namespace
 
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
-                     const app::ModelDescription& model) {
+                     const model::ModelDescription& model) {
   if (std::none_of(signals.begin(), signals.end(), [](const JointSignals& joint) { return joint.moves; })) {
     return "No joint moves: velocities and ranges are those of encoders at rest.";
   }
   const Reader reader(data, model);
   const Reading reading = reader.asGiven();
-  const model::DynamicsModel dynamics = app::makeModel(model);
+  const model::DynamicsModel dynamics = model::makeModel(model);
   const Column inertial = data.column({}, [&](const Series& series, std::size_t i) -> JointVector {
     return dynamics.mechanism().inertia(series.states[i].q) * series.acceleration[i];
   });

@@ -11,7 +11,7 @@
 
 namespace patella::diagnose {
 
-/// What a joint's signals show before anything is fitted, over all recordings.
+/// Excitation of a joint by its signals alone, over all recordings.
 struct JointSignals {
   double position_range_rad = 0.0;  ///< below 10 Hz
   double velocity_rms_rad_s = 0.0;  ///< below 10 Hz
@@ -31,9 +31,9 @@ std::vector<JointSignals> jointSignals(std::span<const Recording> recordings);
 /// change though no passive machine moves so, torque that is cut off in more than 5 % of the rows. Empty
 /// where they may.
 std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
-                     const app::ModelDescription& model);
+                     const model::ModelDescription& model);
 
-/// What the motion alone says: range and velocity, joints at rest, single sinusoids, torque that is now and
+/// Signs of the motion alone: range and velocity, joints at rest, single sinusoids, torque that is now and
 /// then cut off; the latter three also as warnings.
 void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis);
 

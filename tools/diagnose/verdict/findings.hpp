@@ -1,4 +1,4 @@
-// What a diagnosis says of its effects beyond their parameters, and of itself.
+// Statements of a diagnosis about its effects beyond their parameters, and about itself.
 #pragma once
 
 #include <span>
@@ -9,6 +9,9 @@
 #include "tools/diagnose/search/selection.hpp"
 
 namespace patella::diagnose {
+
+/// Text after "possibly: " for an effect that is not asserted.
+inline constexpr const char* kOutweighedWords = "it explains less than what nothing explains";
 
 /// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
 /// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that

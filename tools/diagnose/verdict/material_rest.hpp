@@ -1,4 +1,4 @@
-// What a model leaves beyond what sensors and declared pushes make, against a joint's torque.
+// A model's residual beyond sensors and declared pushes, against a joint's torque.
 #pragma once
 
 #include <span>

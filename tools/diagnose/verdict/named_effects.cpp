@@ -12,6 +12,7 @@
 #include "tools/diagnose/search/free_function.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
+#include "tools/diagnose/verdict/runaways.hpp"
 #include "tools/diagnose/verdict/unknown_rest.hpp"
 #include "tools/diagnose/verdict/wandering_tremor.hpp"
 
@@ -28,14 +29,17 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     }
     effects.push_back(findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, t),
                                 found.selection.evidence[t], joints));
-    effects.back().outweighed = std::find(found.outweighed.begin(), found.outweighed.end(),
-                                          term.recipe.get()) != found.outweighed.end();
+    if (std::find(found.outweighed.begin(), found.outweighed.end(), term.recipe.get()) !=
+        found.outweighed.end()) {
+      effects.back().not_asserted_because = kOutweighedWords;
+    }
     for (const Term& replaced : term.replaced) {
       effects.back().replaces.push_back(replaced.recipe->kind);
     }
     for (const FreeFunction& function : free) {
       if (function.holds(t)) {
-        effects.back().indistinguishable_from.push_back("any function of " + function.dependence.variable);
+        effects.back().not_asserted_because =
+            "any function of " + function.dependence.variable + " explains as much";
       }
     }
   }
@@ -48,7 +52,7 @@ bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
   return own < kOverRest * kOverRest * rest;
 }
 
-void addTremors(const AnalysedRecordings& recordings, const app::ModelDescription& extended,
+void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,
                 const Column& left, std::span<const double> noise_Nm, const DiagnoseOptions& options,
                 Diagnosis& diagnosis) {
   const auto& kinds = options.effects;
@@ -58,8 +62,10 @@ void addTremors(const AnalysedRecordings& recordings, const app::ModelDescriptio
   }
   for (EffectFinding& tremor : wanderingTremors(recordings.wide, extended, diagnosis.effects)) {
     const auto joint = static_cast<std::size_t>(tremor.joint);
-    tremor.outweighed = options.gates.rest &&
-                        outweighed(tremor, jointRms(recordings.train, left, tremor.joint), noise_Nm[joint]);
+    if (options.gates.rest &&
+        outweighed(tremor, jointRms(recordings.train, left, tremor.joint), noise_Nm[joint])) {
+      tremor.not_asserted_because = kOutweighedWords;
+    }
     diagnosis.warnings.push_back(
         fmt::format("the phase of joint {}'s tremor wanders: it is named, but not added to the model, which "
                     "could not foresee it",
@@ -68,7 +74,7 @@ void addTremors(const AnalysedRecordings& recordings, const app::ModelDescriptio
   }
 }
 
-// What found effects explain includes what the declared ones did that they replaced.
+// The share of found effects includes that of the declared ones that they replaced.
 Eigen::VectorXd missingTorque(MissingEffects& found) {
   Eigen::VectorXd residual = found.nominal.residual;
   for (const Term& term : found.selection.fit.terms) {
@@ -111,12 +117,17 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   if (unexplained || !free.empty()) {
     diagnosis.doubts.push_back({Doubt::kUnexplained, {}});
   }
-  if (std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
-                  [](const EffectFinding& effect) { return effect.outweighed; })) {
-    diagnosis.doubts.push_back(
-        {Doubt::kOutweighed,
-         "What was found explains less than what nothing explains, so that it may be a part of something "
-         "else that is missing."});
+  for (EffectFinding& effect : diagnosis.effects) {
+    if (effect.asserted() && strengthIsUnknown(effect)) {
+      effect.not_asserted_because = kUnknownStrengthWords;
+    }
+  }
+  if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                   [](const EffectFinding& effect) { return effect.asserted(); })) {
+    diagnosis.doubts.push_back({Doubt::kOutweighed,
+                                "What was found explains less than what nothing explains, or is of unknown "
+                                "size, so that it may be a "
+                                "part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);

@@ -13,6 +13,7 @@
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
 
 namespace patella::diagnose {
@@ -21,7 +22,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
-/// What is commonly missing: these come first.
+/// Effects that are commonly missing: these come first.
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 
@@ -41,6 +42,9 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   std::size_t index = 0;
   const auto& parameters = model::findEffect(recipe.kind)->parameters;
   if (!c.empty() && !strengths.empty()) {
+    if (factor > recipe.largest) {
+      return kNever;
+    }
     c.front() = factor;
     const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const auto& parameter) {
       return parameter.name == strengths.front().front();
@@ -48,6 +52,9 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
     index = static_cast<std::size_t>(found - parameters.begin());
   } else if (c.empty() && recipe.proportional) {
     nu.front() = std::abs(nu.front()) * factor;
+    if (nu.front() > recipe.nonlinear.front().upper) {
+      return kNever;
+    }
   } else {
     return std::nan("");
   }
@@ -95,12 +102,14 @@ double smallestTorque_Nm(const Detectable& shape, double threshold, double noise
     return kNever;
   }
   const double above_chance = shape.in_noise * (1.0 + kFourInFive / std::sqrt(threshold)) * noise_Nm;
-  return std::max(above_chance, kOverRest * structure_Nm / shape.own_share);
+  const double above_rest = (kOverRest + kFourInFive / std::sqrt(kLooks)) * structure_Nm;
+  return std::max(above_chance, above_rest / shape.own_share);
 }
 
-std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  double threshold) {
+  const Dataset& data = fitter.data();
   const Detector detector(data, fit, threshold);
   std::map<std::string, std::vector<const Atom*>> by_label;
   for (const Atom& atom : atoms.items) {
@@ -110,6 +119,9 @@ std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const
   }
   std::vector<Revealed> all;
   for (const auto& [label, points] : by_label) {
+    if (givenByOthers(fitter, fit, *points.front())) {
+      continue;
+    }
     const int joint = points.front()->joint;
     const RestOfJoint& rest = rests[static_cast<std::size_t>(joint)];
     const double noise_Nm = jointRms(data, fit.residual, joint);

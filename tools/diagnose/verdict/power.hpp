@@ -1,4 +1,4 @@
-// What a recording would have revealed: of every effect that was looked for, the smallest size.
+// Power of a recording: the smallest size of every effect that it would have revealed.
 #pragma once
 
 #include <set>
@@ -15,13 +15,15 @@ namespace patella::diagnose {
 inline constexpr double kFourInFive = 0.84;
 
 /// Smallest rms torque, N·m, of a shape that four in five recordings like this one would have revealed: above
-/// what chance brings, and above kOverRest times `structure_Nm`, what nothing explains on its joint. Infinite
-/// where nothing tells it from the given parameters. `noise_Nm`: rms of what the fit leaves there.
+/// what chance brings, and above kOverRest times `structure_Nm`, what nothing explains on its joint, of which
+/// kLooks looks are known. Infinite where nothing tells it from the given parameters. `noise_Nm`: rms of what
+/// the fit leaves there.
 double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm);
 
 /// One for every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or
-/// are declared: the median over typical shapes, the ones a torque changes most first.
-std::vector<Revealed> revealedBy(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
+/// are declared, and for those that declared ones give, whose change would tell them: the median over typical
+/// shapes, the ones a torque changes most first.
+std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  double threshold);
 

@@ -51,9 +51,31 @@ void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway
   }
 }
 
+// Knowledge of a parameter beside its physical range.
+struct Standing {
+  std::array<double, 2> range{};
+  bool anything = false;  ///< its interval holds the whole range
+  bool at_low = false, at_high = false;
+  bool holds_zero = false;
+};
+
+Standing standingOf(const std::array<double, 2>& range, const ParameterEstimate& estimate) {
+  const auto [from, to] = estimate.ci95;
+  const auto touches = [&](double bound) {
+    return std::isfinite(bound) &&
+           std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));
+  };
+  return {.range = range,
+          .anything = from < to && from <= range[0] && to >= range[1],
+          .at_low = touches(range[0]),
+          .at_high = touches(range[1]),
+          .holds_zero = from < 0.0 && to > 0.0};
+}
+
 void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate, const Units& units,
                  std::vector<Runaway>& all) {
-  const std::array<double, 2> range = physicalRange(effect.kind, estimate.name);
+  const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
+  const auto [low, high] = stands.range;
   const std::string unit = splitName(estimate.name, units).unit;
   const std::string what = label(effect.kind, effect.joint) + " " + estimate.name;
   const auto add = [&](double limit, const std::string& words) {
@@ -63,24 +85,18 @@ void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate,
                    .limit = limit,
                    .words = parameterWords(what, units) + " " + words});
   };
-  const double low = range[0], high = range[1];
-  const double from = estimate.ci95[0], to = estimate.ci95[1];
-  const auto touches = [&](double bound) {
-    return std::isfinite(bound) &&
-           std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));
-  };
-  if (from < to && from <= low && to >= high) {
+  if (stands.anything) {
     add(kNone, fmt::format("may be anything: the interval holds its whole range, {} to {}",
                            withUnit(low, unit), withUnit(high, unit)));
     return;
   }
-  if (touches(low) || touches(high)) {
-    const double bound = touches(low) ? low : high;
+  if (stands.at_low || stands.at_high) {
+    const double bound = stands.at_low ? low : high;
     add(bound, fmt::format("stands at {}, the end of its range", withUnit(bound, unit)));
   } else if (estimate.at_bound) {
     add(estimate.value, fmt::format("stands at {}, where the search ends", withUnit(estimate.value, unit)));
   }
-  if (from < 0.0 && to > 0.0 && (low >= 0.0 || isStrength(effect.kind, estimate.name))) {
+  if (stands.holds_zero && (low >= 0.0 || isStrength(effect.kind, estimate.name))) {
     add(0.0, fmt::format("{}{}{} may be zero", valueWithInterval(estimate.value, estimate.ci95),
                          unit.empty() ? "" : " ", unit));
   }
@@ -108,13 +124,14 @@ void addNominal(const RefittedParameter& parameter, double tolerance, const Unit
 
 /// The declared effect in the extended model; several of a kind on one joint keep their order. Nothing where
 /// it is gone.
-const app::EffectDescription* stillIn(std::span<const app::EffectDescription> extended,
-                                      std::span<const app::EffectDescription> declared, std::size_t index) {
-  const auto same = [&](const app::EffectDescription& effect) {
+const model::EffectDescription* stillIn(std::span<const model::EffectDescription> extended,
+                                        std::span<const model::EffectDescription> declared,
+                                        std::size_t index) {
+  const auto same = [&](const model::EffectDescription& effect) {
     return effect.kind == declared[index].kind && effect.joint == declared[index].joint;
   };
   auto before = std::count_if(declared.begin(), declared.begin() + static_cast<std::ptrdiff_t>(index), same);
-  for (const app::EffectDescription& effect : extended) {
+  for (const model::EffectDescription& effect : extended) {
     if (same(effect) && before-- == 0) {
       return &effect;
     }
@@ -122,8 +139,8 @@ const app::EffectDescription* stillIn(std::span<const app::EffectDescription> ex
   return nullptr;
 }
 
-/// What stands in a declared effect's place.
-const EffectFinding* replacementOf(const Diagnosis& diagnosis, const app::EffectDescription& declared) {
+/// The effect that stands in a declared one's place.
+const EffectFinding* replacementOf(const Diagnosis& diagnosis, const model::EffectDescription& declared) {
   const auto found =
       std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
         return effect.joint == declared.joint && std::find(effect.replaces.begin(), effect.replaces.end(),
@@ -132,12 +149,12 @@ const EffectFinding* replacementOf(const Diagnosis& diagnosis, const app::Effect
   return found == diagnosis.effects.end() ? nullptr : &*found;
 }
 
-void addDeclared(const Diagnosis& diagnosis, const app::ModelDescription& given, std::size_t index,
+void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& given, std::size_t index,
                  double tolerance, std::vector<Runaway>& all) {
-  const app::EffectDescription& declared = given.effects[index];
+  const model::EffectDescription& declared = given.effects[index];
   const std::string what = label(declared.kind, declared.joint);
   const EffectFinding* replacement = replacementOf(diagnosis, declared);
-  const app::EffectDescription* kept = stillIn(diagnosis.extended.effects, given.effects, index);
+  const model::EffectDescription* kept = stillIn(diagnosis.extended.effects, given.effects, index);
   if (replacement != nullptr || kept == nullptr) {
     all.push_back(
         {.what = what,
@@ -172,7 +189,23 @@ void addDeclared(const Diagnosis& diagnosis, const app::ModelDescription& given,
 
 }  // namespace
 
-std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDescription& given,
+bool strengthIsUnknown(const EffectFinding& effect) {
+  const bool has_strengths =
+      std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                  [&](const ParameterEstimate& estimate) { return isStrength(effect.kind, estimate.name); });
+  for (const ParameterEstimate& estimate : effect.parameters) {
+    // An effect without a strength is as large as its first parameter says.
+    const bool counts =
+        has_strengths ? isStrength(effect.kind, estimate.name) : &estimate == &effect.parameters.front();
+    const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
+    if (counts && !stands.anything && !stands.at_low && !stands.at_high && !stands.holds_zero) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDescription& given,
                                 const FitOptions& tolerances) {
   std::vector<Runaway> all;
   addErrors("of the model as given", diagnosis.before, all);

@@ -13,11 +13,18 @@ inline constexpr double kWithinTolerance = 2.0;
 /// Error over torque from which on the drives rested, so that there is nothing to compare.
 inline constexpr double kNoTorque = 1e4;
 
+/// Text after "possibly: " for an effect that is not asserted.
+inline constexpr const char* kUnknownStrengthWords = "how large it is the recording does not tell";
+
+/// Whether nothing that the effect's torque grows with is known: it stands at an end of its range, or its
+/// interval holds zero or the whole range. No answer rests on such an effect.
+bool strengthIsUnknown(const EffectFinding& effect);
+
 /// In this order: errors that are larger than the torque, parameters of effects that were found at a bound
 /// of their range or with an interval that holds zero or the whole range, mechanism parameters beyond their
 /// tolerance, and declared effects of `given` that changed beyond theirs or vanished. Tolerances are standard
 /// deviations, relative.
-std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const app::ModelDescription& given,
+std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDescription& given,
                                 const FitOptions& tolerances);
 
 }  // namespace patella::diagnose

@@ -67,7 +67,7 @@ Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept {
 void settle(Diagnosis& diagnosis, double nominal_tolerance) {
   const auto& found = diagnosis.effects;
   const bool effects =
-      std::any_of(found.begin(), found.end(), [](const EffectFinding& effect) { return !effect.outweighed; });
+      std::any_of(found.begin(), found.end(), [](const EffectFinding& effect) { return effect.asserted(); });
   diagnosis.verdict = verdictOf(diagnosis.doubts, effects);
   const Doubt* deciding = decidingDoubt(diagnosis.doubts, effects);
   diagnosis.explanation = deciding != nullptr && !deciding->words.empty()

@@ -11,7 +11,7 @@ namespace patella::diagnose {
 /// null where none does. `effects`: some of the library were found that outweigh the rest.
 const Doubt* decidingDoubt(std::span<const Doubt> doubts, bool effects) noexcept;
 
-/// What the deciding doubt makes of the answer; without one effects are found, or nothing is missing.
+/// The verdict by the deciding doubt; without one effects are found, or nothing is missing.
 Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept;
 
 /// Writes verdict and explanation into a diagnosis whose effects and doubts are complete.

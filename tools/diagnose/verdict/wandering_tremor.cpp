@@ -26,8 +26,8 @@ std::optional<TremorLine> lineOf(const Dataset& wide, const Column& residual, in
 
 // A delay and a lag are alike in the band of the motion and not above it, where a tremor is looked for: the
 // wrong one of them leaves a line where the drive's torque has one.
-app::ModelDescription withOtherTiming(app::ModelDescription model) {
-  for (app::EffectDescription& effect : model.effects) {
+model::ModelDescription withOtherTiming(model::ModelDescription model) {
+  for (model::EffectDescription& effect : model.effects) {
     if (effect.kind == "actuator_lag") {
       effect.kind = "actuator_delay";
     } else if (effect.kind == "actuator_delay") {
@@ -64,7 +64,7 @@ EffectFinding findingOf(const TremorLine& line) {
 
 }  // namespace
 
-std::vector<EffectFinding> wanderingTremors(const Dataset& wide, const app::ModelDescription& extended,
+std::vector<EffectFinding> wanderingTremors(const Dataset& wide, const model::ModelDescription& extended,
                                             std::span<const EffectFinding> found) {
   const Column left = residualOf(wide, extended).residual;
   const Column left_otherwise = residualOf(wide, withOtherTiming(extended)).residual;

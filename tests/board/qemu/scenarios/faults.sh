@@ -93,7 +93,7 @@ fault clock_step loop -clock_stepped 'step_s = 10' 'duration_s = 0.5'
 fault memory_pressure loop = 'size_MB = 48' 'duration_s = 0.5'
 fault disk_full loop -recording_failed 'duration_s = 0.3'
 
-# What comes and goes, what strikes within a tick, and who else commands.
+# Faults that come and go, faults that strike within a tick, and another commander.
 fault drive_over_torque:now_and_then rig 'drive_(not_following|over_torque)' 'channel = "drive1"' 'extra_Nm = 60' \
   'cycle_s = 0.02' 'duty = 0.75' "$for_long"
 fault drive_over_torque:seldom rig 'drive_(not_following|over_torque)' 'channel = "drive1"' 'extra_Nm = 260' \

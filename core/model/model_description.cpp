@@ -1,0 +1,62 @@
+#include "core/model/model_description.hpp"
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "core/model/effect.hpp"
+
+namespace patella::model {
+namespace {
+
+std::unique_ptr<Mechanism> mechanismOf(const PlanarTwoLinkParameters& leg) {
+  return std::make_unique<PlanarTwoLink>(leg);
+}
+std::unique_ptr<Mechanism> mechanismOf(const RevoluteJointParameters& joint) {
+  return std::make_unique<RevoluteJoint>(joint);
+}
+std::unique_ptr<Mechanism> mechanismOf(const PrismaticJointParameters& axis) {
+  return std::make_unique<PrismaticJoint>(axis);
+}
+
+}  // namespace
+
+int ModelDescription::joints() const noexcept {
+  return std::holds_alternative<PlanarTwoLinkParameters>(mechanism) ? 2 : 1;
+}
+
+DynamicsModel makeModel(const ModelDescription& description) {
+  std::unique_ptr<Mechanism> mechanism =
+      std::visit([](const auto& parameters) { return mechanismOf(parameters); }, description.mechanism);
+  std::vector<std::unique_ptr<Effect>> effects;
+  for (const EffectDescription& effect : description.effects) {
+    effects.push_back(makeEffect(effect.kind, effect.joint, *mechanism, effect.parameters));
+  }
+  return {std::move(mechanism), std::move(effects)};
+}
+
+ModelDescription describeModel(const DynamicsModel& dynamics) {
+  ModelDescription description;
+  const Mechanism* mechanism = &dynamics.mechanism();
+  if (const auto* leg = dynamic_cast<const PlanarTwoLink*>(mechanism)) {
+    description.mechanism = leg->parameters();
+  } else if (const auto* joint = dynamic_cast<const RevoluteJoint*>(mechanism)) {
+    description.mechanism = joint->parameters();
+  } else if (const auto* axis = dynamic_cast<const PrismaticJoint*>(mechanism)) {
+    description.mechanism = axis->parameters();
+  } else {
+    throw std::invalid_argument(
+        "this mechanism has no form in model files, expected one of 'planar_two_link', "
+        "'revolute', 'prismatic'");
+  }
+  for (const auto& effect : dynamics.effects()) {
+    const std::span<const double> values = effect->parameters();
+    description.effects.push_back({.kind = std::string(effect->descriptor().kind),
+                                   .joint = effect->joint(),
+                                   .parameters = {values.begin(), values.end()}});
+  }
+  return description;
+}
+
+}  // namespace patella::model

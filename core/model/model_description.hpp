@@ -1,0 +1,35 @@
+// A model as plain data: mechanism, nominal parameters and effects, to be read, changed and written.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/model/dynamics_model.hpp"
+#include "core/model/one_dof.hpp"
+#include "core/model/planar_two_link.hpp"
+
+namespace patella::model {
+
+struct EffectDescription {
+  std::string kind;
+  int joint = 0;                   ///< from 0; files count from 1
+  std::vector<double> parameters;  ///< in the order of the kind's descriptor
+};
+
+using MechanismDescription =
+    std::variant<PlanarTwoLinkParameters, RevoluteJointParameters, PrismaticJointParameters>;
+
+struct ModelDescription {
+  MechanismDescription mechanism;
+  std::vector<EffectDescription> effects;
+
+  int joints() const noexcept;
+};
+
+/// Throws std::invalid_argument when a value is out of its range.
+DynamicsModel makeModel(const ModelDescription& description);
+/// The inverse of makeModel(). Throws std::invalid_argument for a mechanism that no description can express.
+ModelDescription describeModel(const DynamicsModel& dynamics);
+
+}  // namespace patella::model

@@ -1,0 +1,48 @@
+// What a run of the loop comes to in plain numbers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/safety/fault.hpp"
+#include "core/safety/state_machine.hpp"
+#include "core/safety/warning.hpp"
+#include "core/types.hpp"
+#include "firmware_app/recorder/latency_histogram.hpp"
+#include "firmware_app/recorder/tick_record.hpp"
+
+namespace patella::app {
+
+/// Mean, RMS and maximum of |f_s − f_u| where the rig tells the truth.
+struct ErrorStatistics {
+  std::uint64_t count = 0;
+  JointArray sum{}, sum_of_squares{}, maximum{};
+  void add(const JointVector& estimate, const JointVector& truth) noexcept PATELLA_NONBLOCKING;
+};
+
+struct LoopStatistics {
+  std::uint64_t ticks = 0;
+  std::uint64_t overruns = 0;        ///< ticks that ended after the next one was due
+  std::uint64_t missed_periods = 0;  ///< whole periods skipped because of them
+  LatencyHistogram wakeup, execution, sensor_to_torque;
+  std::uint64_t heap_allocations = 0, heap_frees = 0;  ///< by the loop thread after warm-up
+  bool heap_counted = false;                           ///< false in sanitizer builds
+  std::uint64_t minor_page_faults = 0, major_page_faults = 0;
+  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
+  std::array<std::uint64_t, safety::kFaultCount> fault_ticks{};   ///< ticks in which each cause was present
+  std::array<std::uint64_t, safety::kFaultCount> fault_events{};  ///< times each cause appeared
+  std::array<std::uint64_t, safety::kWarningCount> warning_ticks{};
+  std::uint64_t limit_ticks = 0;  ///< ticks in which a limit held the command back
+  std::uint64_t stops = 0;        ///< entries into limited or fault
+  std::array<std::uint64_t, safety::kStateCount> state_ticks{};
+  safety::State final_state = safety::State::kInit;
+  safety::FaultSet latched;
+  double max_torque_Nm = 0.0;
+  ErrorStatistics sampler_error, network_error;
+  JointArray tracking_sum_of_squares{};  ///< rad², while active and a reference exists
+  JointArray f_s_sum_of_squares{};       ///< (rad/s²)², of the filtered estimate while active
+  JointArray d_hat_sum_of_squares{};     ///< (N·m)², likewise
+  std::uint64_t tracking_count = 0;
+};
+
+}  // namespace patella::app

@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# The closed circle, in virtual time: the loop records a motion on a rig that hides an effect from the loop's model,
+# patella-diagnose finds the effect, and the loop runs with the extended model on a motion that was not recorded,
+# beside the plain model and the rig's own. Prints what was diagnosed and what each model left over on that motion.
+#
+#   tools/studies/circle/circle.sh --bin BUILD --out DIR [RIG_MODEL.toml ...]      default: every model beside this script
+#
+# Nothing but the loop's model differs between the three runs: one rig, one reference, one seed.
+set -euo pipefail
+cd "$(dirname "$0")/../../.."
+
+bin=build/release
+out=
+rigs=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --bin) bin=${2:?--bin needs a build folder}; shift 2 ;;
+    --out) out=${2:?--out needs a folder}; shift 2 ;;
+    -*)
+      echo "circle.sh: unknown argument '$1', expected --bin BUILD, --out DIR or models" >&2
+      exit 2
+      ;;
+    *) rigs+=("$1"); shift ;;
+  esac
+done
+[ -n "$out" ] || { echo "circle.sh: --out DIR is missing" >&2; exit 2; }
+[ ${#rigs[@]} -gt 0 ] || rigs=(tools/studies/circle/*.toml)
+
+config=firmware_app/config/identification.toml
+model=firmware_app/config/models/adult.toml
+unseen=firmware_app/config/references/unseen.toml
+
+# The loop on the rig of this round: FOLDER and what differs from the configuration.
+run() {
+  local folder=$1
+  shift
+  mkdir -p "$(dirname "$folder")"
+  "$bin/firmware_app/patella" run --config "$config" --clock virtual --rig-model "$rig" "$@" --out "$folder" \
+    >"$folder.txt" || { cat "$folder.txt" >&2; exit 1; }
+}
+
+# Number JOINT of the array KEY in a run's summary.
+number() {
+  awk -v key="\"$2\":" -v joint="$3" '
+    $1 == key { inside = 1; next }
+    inside && ++n == joint { sub(",", "", $1); print $1; exit }' "$1/summary.json"
+}
+
+row() {
+  local text=$1 key=$2 joint run
+  shift 2
+  for joint in 1 2; do
+    for run in "$@"; do
+      number "$run" "$key" "$joint"
+    done
+  done | awk -v text="$text" '
+    { line = line sprintf("%10.4f", $1) (NR == 3 ? "   " : "") }
+    END { printf "  %-34s%s\n", text, line }'
+}
+
+for rig in "${rigs[@]}"; do
+  name=$(basename "$rig" .toml)
+  folder=$out/$name
+  printf '\n%s\n' "$name"
+  sed -n '/^#/!q; s/^# /  hidden: /p' "$rig" | sed '2,$s/hidden: //'
+  run "$folder/recorded"
+  "$bin/tools/diagnose/patella-diagnose" --model "$model" --data "$folder/recorded" --out "$folder/diagnosis" \
+    2>"$folder/diagnosis.txt" | sed 's/^/  /' || { cat "$folder/diagnosis.txt" >&2; exit 1; }
+  run "$folder/plain" --reference "$unseen" --seed 2
+  run "$folder/extended" --reference "$unseen" --seed 2 --model "$folder/diagnosis/model.extended.toml"
+  run "$folder/truth" --reference "$unseen" --seed 2 --model "$rig"
+  printf '  %-32s%s\n' "" "hip: plain  extended     truth  knee: plain  extended     truth"
+  runs=("$folder/plain" "$folder/extended" "$folder/truth")
+  row "residual d̂, N·m rms" d_hat_rms_Nm "${runs[@]}"
+  row "unknown f̂_u, rad/s² rms" f_s_filtered_rms_rad_s2 "${runs[@]}"
+  row "tracking error, rad rms" tracking_rms_rad "${runs[@]}"
+done
