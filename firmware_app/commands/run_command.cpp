@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 
@@ -64,6 +65,23 @@ struct BusBackend {
   std::string channel = "sim0";
 };
 
+can::ReplayOptions replayOptions(const can::CommandEncoder& encoder, std::size_t farewell_commands) {
+  can::ReplayOptions options;
+  options.farewell_commands = farewell_commands;
+  for (std::size_t drive = 0; drive < encoder.size(); ++drive) {
+    const can::DriveCommand& command = encoder.drive(drive);
+    options.command_id = command.layout().id();
+    options.command_extended = command.layout().extended();
+    options.also_sent.push_back(command.layout().blank());
+    for (const auto which :
+         {safety::DriveFrames::kEnter, safety::DriveFrames::kLeave, safety::DriveFrames::kClear}) {
+      const std::span<const can::Frame> frames = command.frames(which);
+      options.fixed_frames.insert(options.fixed_frames.end(), frames.begin(), frames.end());
+    }
+  }
+  return options;
+}
+
 BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, Clock& clock) {
   BusBackend backend;
   switch (config.backend.kind) {
@@ -77,9 +95,7 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
     case BackendKind::kReplay: {
       auto replay = std::make_unique<can::ReplayBus>(
           config.backend.target,
-          can::ReplayOptions{.command_id = encoder.id(),
-                             .command_extended = encoder.extended(),
-                             .farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames)});
+          replayOptions(encoder, static_cast<std::size_t>(config.loop.shutdown_frames)));
       if (replay->cutLine() != 0) {
         spdlog::warn("{}:{}: the log ends within this line; what stands before it is replayed",
                      config.backend.target, replay->cutLine());

@@ -266,7 +266,7 @@ can::MeasurementDecoder makeDecoder(const RunConfig& config) {
 
 can::CommandEncoder makeEncoder(const RunConfig& config) {
   return located(config.bus_map_path, [&] {
-    return can::CommandEncoder(config.bus.database, config.bus.command, config.model.joints());
+    return can::CommandEncoder(config.bus.database, config.bus.commands, config.model.joints());
   });
 }
 

@@ -31,6 +31,8 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   r.q_rad = toArray(measurement.position_rad);
   r.dq_rad_s = toArray(output.velocity_rad_s);
   r.drive_torque_Nm = toArray(measurement.drive_torque_Nm);
+  r.drive_temperature_degC = measurement.drive_temperature_degC;
+  r.drive_error = measurement.drive_error;
   r.emg_mV = measurement.emg_mV;
   r.activation = output.activation;
   r.reference_rad = toArray(output.reference.q);

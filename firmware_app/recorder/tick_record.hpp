@@ -23,6 +23,7 @@ struct TickRecord {
   JointArray f_s_rad_s2{}, f_s_filtered_rad_s2{}, f_network_rad_s2{}, f_true_rad_s2{}, d_hat_Nm{};
   JointArray torque_gravity_Nm{}, torque_model_Nm{}, torque_emg_Nm{}, torque_impedance_Nm{};
   JointArray torque_compensation_Nm{}, torque_command_Nm{};
+  JointArray drive_temperature_degC{}, drive_error{};
   EmgArray emg_mV{}, activation{};
   std::uint32_t faults = 0;    ///< FaultSet of this tick
   std::uint32_t warnings = 0;  ///< safety::WarningSet
