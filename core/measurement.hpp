@@ -1,11 +1,26 @@
 // Input and output of a tick: plain structs between drivers and core.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 
 #include "core/types.hpp"
 
 namespace patella {
+
+/// What a drive said of being enabled since the tick before, or else last said.
+struct EnabledReport {
+  bool bound = false;  ///< some signal tells it
+  bool was_enabled = false;
+  bool was_disabled = false;
+};
+
+inline constexpr PerJoint kNotReported = [] {
+  PerJoint values{};
+  values.fill(std::numeric_limits<double>::quiet_NaN());
+  return values;
+}();
 
 /// Newest valid value of every input, held until a newer one comes. Vectors have the mechanism's number of
 /// joints.
@@ -19,11 +34,11 @@ struct Measurement {
   bool has_velocity = false;  ///< the encoder delivers a rate; otherwise it is derived from position
   bool has_drive_torque =
       false;  ///< a drive status is bound; otherwise the commanded torque is taken as applied
-  bool has_drive_enabled = false;   ///< drive_enabled is bound
-  bool drive_was_enabled = false;   ///< some report since the tick before, or else the newest, said so
-  bool drive_was_disabled = false;  ///< likewise
-  bool operator_enable = false;     ///< level
-  bool operator_reset = false;      ///< level; the state machine looks for its rising edge
+  std::array<EnabledReport, kMaxJoints> drive_enabled{};  ///< by the joint's drive
+  PerJoint drive_temperature_degC = kNotReported;         ///< for the record; NaN where no drive tells it
+  PerJoint drive_error = kNotReported;                    ///< code of the drive's own, likewise
+  bool operator_enable = false;                           ///< level
+  bool operator_reset = false;  ///< level; the state machine looks for its rising edge
 
   /// Sensor periods between the encoder sample of this measurement and the one before it (from the frame
   /// counter, or from stamps where there is none); 0 when no new sample of all joints has come. Times the

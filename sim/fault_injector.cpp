@@ -189,6 +189,27 @@ DriveDisturbance FaultInjector::drive() noexcept PATELLA_NONBLOCKING {
   return disturbance;
 }
 
+bool FaultInjector::acts(FaultKind kind, int channel) noexcept {
+  const FaultEvent* event = find(kind, channel);
+  if (event != nullptr) {
+    note(*event);
+  }
+  return event != nullptr;
+}
+
+FieldDriveDefect FaultInjector::fieldDrive(int joint) noexcept PATELLA_NONBLOCKING {
+  const DriveDisturbance disturbance = drive();
+  FieldDriveDefect defect;
+  defect.gain = disturbance.gain[static_cast<std::size_t>(joint)];
+  defect.extra_Nm = disturbance.extra_Nm[static_cast<std::size_t>(joint)];
+  defect.silent = acts(FaultKind::kDriveSilent, joint);
+  defect.ignores_enter = acts(FaultKind::kDriveIgnoresEnter, joint);
+  defect.off = acts(FaultKind::kDriveReboots, joint) || active(FaultKind::kPeerRestart);
+  defect.faulty = acts(FaultKind::kDriveReportsFault, joint);
+  defect.leaves = acts(FaultKind::kDriveLeaves, joint);
+  return defect;
+}
+
 std::int64_t FaultInjector::wallStep_ns() const noexcept {
   double step_s = 0.0;
   for (std::size_t i = 0; i < events_.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "drivers/can/dbc.hpp"
 #include "sim/drive.hpp"
 #include "sim/fault_script.hpp"
+#include "sim/field_drive.hpp"
 #include "sim/frame_forger.hpp"
 #include "sim/random.hpp"
 
@@ -36,6 +37,8 @@ class FaultInjector {
   void encoder(int joint, double& position_rad, double& velocity_rad_s) noexcept PATELLA_NONBLOCKING;
   void emg(EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING;
   DriveDisturbance drive() noexcept PATELLA_NONBLOCKING;
+  /// The same and more for a drive that is a node of its own.
+  FieldDriveDefect fieldDrive(int joint) noexcept PATELLA_NONBLOCKING;
   /// Wall-clock steps that are in force, ns.
   std::int64_t wallStep_ns() const noexcept;
 
@@ -122,6 +125,7 @@ class FaultInjector {
   bool changed(FaultKind kind, bool to) const noexcept;
   const FaultEvent* find(FaultKind kind) const noexcept;
   FaultEvent* find(FaultKind kind, int channel) noexcept;
+  bool acts(FaultKind kind, int channel) noexcept;
   /// Draws for one frame, and notes the first time.
   bool happens(const FaultEvent& event) noexcept;
   void note(const FaultEvent& event) noexcept;

@@ -6,11 +6,16 @@ namespace patella::sim {
 
 std::string_view faultKindName(FaultKind kind) noexcept {
   static constexpr std::array<std::string_view, kFaultKindCount> kNames = {
-      "lost_frames",    "delayed_frames",    "duplicated_frames", "reordered_frames",    "flipped_bits",
-      "forged_frames",  "encoder_jump",      "encoder_freeze",    "encoder_drift",       "encoder_wrap",
-      "emg_saturation", "emg_disconnection", "emg_hum",           "drive_not_following", "drive_over_torque",
-      "bus_off",        "interface_down",    "rig_stall",         "peer_restart",        "loop_stall",
-      "clock_step",     "emergency_stop",    "gpio_bounce",       "memory_pressure",     "disk_full"};
+      "lost_frames",      "delayed_frames",      "duplicated_frames",
+      "reordered_frames", "flipped_bits",        "forged_frames",
+      "encoder_jump",     "encoder_freeze",      "encoder_drift",
+      "encoder_wrap",     "emg_saturation",      "emg_disconnection",
+      "emg_hum",          "drive_not_following", "drive_over_torque",
+      "bus_off",          "interface_down",      "rig_stall",
+      "peer_restart",     "loop_stall",          "clock_step",
+      "emergency_stop",   "gpio_bounce",         "memory_pressure",
+      "disk_full",        "drive_silent",        "drive_ignores_enter",
+      "drive_reboots",    "drive_reports_fault", "drive_leaves"};
   const auto index = static_cast<std::size_t>(kind);
   return index < kNames.size() ? kNames[index] : "unknown";
 }
@@ -35,6 +40,11 @@ ChannelGroup channelGroup(FaultKind kind) noexcept {
       return ChannelGroup::kEmg;
     case FaultKind::kDriveNotFollowing:
     case FaultKind::kDriveOverTorque:
+    case FaultKind::kDriveSilent:
+    case FaultKind::kDriveIgnoresEnter:
+    case FaultKind::kDriveReboots:
+    case FaultKind::kDriveReportsFault:
+    case FaultKind::kDriveLeaves:
       return ChannelGroup::kDrive;
     default:
       return ChannelGroup::kNone;
@@ -43,6 +53,10 @@ ChannelGroup channelGroup(FaultKind kind) noexcept {
 
 bool actsOnMachine(FaultKind kind) noexcept {
   return kind == FaultKind::kMemoryPressure || kind == FaultKind::kDiskFull;
+}
+
+bool needsFieldDrive(FaultKind kind) noexcept {
+  return kind >= FaultKind::kDriveSilent && kind < FaultKind::kCount;
 }
 
 bool actsOnLoop(FaultKind kind) noexcept {

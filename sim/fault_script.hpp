@@ -42,11 +42,17 @@ enum class FaultKind : std::uint8_t {
   kGpioBounce,
   kMemoryPressure,
   kDiskFull,
+  kDriveSilent,
+  kDriveIgnoresEnter,
+  kDriveReboots,
+  kDriveReportsFault,
+  kDriveLeaves,
   kCount
 };
 
 inline constexpr int kFaultKindCount = static_cast<int>(FaultKind::kCount);
-/// The kinds before these two happen in the time of the script; these take the machine's own memory and disk.
+/// The kinds before these happen in the time of the script and to any rig. Two take the machine's own memory
+/// and disk; the rest need a drive that is a node of its own (FieldDrive).
 inline constexpr int kScriptedKindCount = static_cast<int>(FaultKind::kMemoryPressure);
 
 /// snake_case name, as scripts have it.
@@ -68,7 +74,10 @@ bool actsOnLoop(FaultKind kind) noexcept;
 /// True for the faults of the host that take memory and disk of the machine itself.
 bool actsOnMachine(FaultKind kind) noexcept;
 
-/// Messages of the rig's bus.
+/// True for what only a drive that is a node of its own can do.
+bool needsFieldDrive(FaultKind kind) noexcept;
+
+/// Messages of the rig's bus. Frames of drives that are nodes of their own are kDriveStatus.
 enum class FrameChannel : std::uint8_t {
   kEncoder1 = 0,
   kEncoder2,

@@ -62,6 +62,27 @@ std::vector<Encoder> makeEncoders(const RigOptions& options, int joints) {
   return encoders;
 }
 
+const std::vector<FieldDriveOptions>& checkedDrives(const RigOptions& options, int joints) {
+  if (!options.field_drives.empty() && options.field_drives.size() != static_cast<std::size_t>(joints)) {
+    throw std::invalid_argument("rig has " + std::to_string(options.field_drives.size()) +
+                                " drive models, expected none or one for each of " + std::to_string(joints) +
+                                " joints");
+  }
+  for (const FaultEvent& event : options.faults) {
+    if (needsFieldDrive(event.kind) && options.field_drives.empty()) {
+      throw std::invalid_argument("fault '" + std::string(faultKindName(event.kind)) +
+                                  "' needs drives that are nodes of their own, expected rig.drive_model");
+    }
+  }
+  return options.field_drives;
+}
+
+bool anySlow(const RigOptions& options) {
+  return options.drive.bandwidth_Hz > 0.0 ||
+         std::any_of(options.field_drives.begin(), options.field_drives.end(),
+                     [](const FieldDriveOptions& drive) { return drive.bandwidth_Hz > 0.0; });
+}
+
 std::int64_t checkedPeriod(const RigOptions& options) {
   if (options.sensor_period_ns <= 0) {
     throw std::invalid_argument("rig sensor_period_ns is " + std::to_string(options.sensor_period_ns) +
@@ -87,17 +108,18 @@ Rig::Rig(const RigOptions& options, model::DynamicsModel truth, model::DynamicsM
       samples_per_operator_frame_(
           static_cast<std::uint64_t>(options.operator_period_ns / options.sensor_period_ns)),
       max_step_s_(options.max_step_s),
-      slow_drive_(options.drive.bandwidth_Hz > 0.0),
+      slow_drive_(anySlow(options)),
       publish_truth_(options.publish_truth),
       operator_(options.operator_buttons),
       plant_(makePlant(options, std::move(truth), std::move(known))),
       drive_(options.drive, plant_.joints(), options.seed),
+      field_drives_(checkedDrives(options, plant_.joints())),
       emg_(options.emg, 1e9 / static_cast<double>(options.sensor_period_ns), plant_.joints(), options.seed),
       recorded_emg_(options.emg_log.empty()
                         ? std::nullopt
                         : std::optional<RecordedEmg>(std::in_place, options.emg_log, database)),
       encoders_(makeEncoders(options, plant_.joints())),
-      messages_(database, plant_.joints()),
+      messages_(database, plant_.joints(), field_drives_.any()),
       queue_(options.queue_frames),
       faults_(options.faults, database, options.seed) {}
 
@@ -107,8 +129,9 @@ void Rig::advance(std::int64_t to_ns) noexcept PATELLA_NONBLOCKING {
     return;
   }
   while (now_ns_ < to_ns) {
-    integrateTo(std::min({to_ns, next_sample_ns_, drive_.deadline_ns()}));
+    integrateTo(std::min({to_ns, next_sample_ns_, drive_.deadline_ns(), field_drives_.deadline_ns()}));
     drive_.watch(now_ns_);
+    field_drives_.watch(now_ns_);
     if (now_ns_ == next_sample_ns_) {
       sample();
       next_sample_ns_ += sensor_period_ns_;
@@ -117,13 +140,32 @@ void Rig::advance(std::int64_t to_ns) noexcept PATELLA_NONBLOCKING {
 }
 
 void Rig::accept(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
-  if (!messages_.isCommand(frame)) {
+  if (!field_drives_.any() && !messages_.isCommand(frame)) {
     return;
   }
   faults_.pass(frame, FrameChannel::kCommand, [this](const can::Frame& command) { obey(command); });
 }
 
+JointReading Rig::read(std::size_t joint) noexcept {
+  const auto i = static_cast<Eigen::Index>(joint);
+  // One after the other: the order of arguments is the compiler's, and both draw from one random sequence.
+  JointReading reading;
+  reading.velocity_rad_s = encoders_[joint].measureVelocity(plant_.state().dq(i));
+  reading.position_rad = encoders_[joint].measurePosition(plant_.state().q(i));
+  faults_.encoder(static_cast<int>(joint), reading.position_rad, reading.velocity_rad_s);
+  return reading;
+}
+
 void Rig::obey(const can::Frame& frame) noexcept {
+  if (field_drives_.any()) {
+    DriveSink sink(*this);
+    bool taken = false;
+    for (std::size_t joint = 0; joint < field_drives_.size(); ++joint) {
+      taken = field_drives_[joint].accept(frame, read(joint), now_ns_, sink) || taken;
+    }
+    ++(taken ? statistics_.commands_accepted : statistics_.commands_rejected);
+    return;
+  }
   JointVector torque_Nm(plant_.joints());
   bool enable = false;
   if (!messages_.decodeCommand(frame, torque_Nm, enable)) {
@@ -136,7 +178,7 @@ void Rig::obey(const can::Frame& frame) noexcept {
 
 RigStatistics Rig::statistics() const noexcept {
   RigStatistics statistics = statistics_;
-  statistics.watchdog_trips = drive_.watchdogTrips();
+  statistics.watchdog_trips = drive_.watchdogTrips() + field_drives_.watchdogTrips();
   return statistics;
 }
 
@@ -156,10 +198,11 @@ void Rig::integrateTo(std::int64_t instant_ns) noexcept {
   for (int i = 0; i < steps; ++i) {
     // A torque that moves is held at its value in the middle of each step.
     drive_.advance(0.5 * h);
-    plant_.advance(drive_.torque(), emg_.activation(), h);
+    field_drives_.advance(0.5 * h);
+    plant_.advance(torque(), emg_.activation(), h);
     drive_.advance(0.5 * h);
-    statistics_.max_torque_Nm =
-        std::max(statistics_.max_torque_Nm, drive_.torque().lpNorm<Eigen::Infinity>());
+    field_drives_.advance(0.5 * h);
+    statistics_.max_torque_Nm = std::max(statistics_.max_torque_Nm, torque().lpNorm<Eigen::Infinity>());
   }
 }
 
@@ -173,25 +216,15 @@ void Rig::sample() noexcept {
       queue(frame);
     }
   });
-  const PlantState& state = plant_.state();
-  for (std::size_t joint = 0; joint < encoders_.size(); ++joint) {
-    const auto i = static_cast<Eigen::Index>(joint);
-    Encoder& encoder = encoders_[joint];
-    // One after the other: the order of arguments is the compiler's, and both draw from one random sequence.
-    double velocity_rad_s = encoder.measureVelocity(state.dq(i));
-    double position_rad = encoder.measurePosition(state.q(i));
-    faults_.encoder(static_cast<int>(joint), position_rad, velocity_rad_s);
-    send(messages_.encoder(joint, position_rad, velocity_rad_s),
-         joint == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2);
-  }
-  send(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()),
-       FrameChannel::kDriveStatus);
-  emg_.advance(time_s, state.dq);
+  sampleDrives();
+  emg_.advance(time_s, plant_.state().dq);
   EmgArray emg_mV = recorded_emg_ ? recorded_emg_->at(now_ns_ - epoch_ns_) : emg_.signal();
   faults_.emg(emg_mV);
-  send(messages_.emg(emg_mV), FrameChannel::kEmg);
+  if (messages_.hasEmg()) {
+    send(messages_.emg(emg_mV), FrameChannel::kEmg);
+  }
   const JointVector unknown = plant_.takeMeanUnknownDynamics();
-  if (publish_truth_) {
+  if (publish_truth_ && messages_.hasTruth()) {
     send(messages_.truth(unknown), FrameChannel::kTruth);
   }
   if (statistics_.samples % samples_per_operator_frame_ == 0) {
@@ -208,12 +241,32 @@ void Rig::sample() noexcept {
   ++statistics_.samples;
 }
 
+void Rig::sampleDrives() noexcept {
+  if (field_drives_.any()) {
+    DriveSink sink(*this);
+    for (std::size_t joint = 0; joint < field_drives_.size(); ++joint) {
+      field_drives_[joint].sample(read(joint), now_ns_, sink);
+    }
+    return;
+  }
+  for (std::size_t joint = 0; joint < encoders_.size(); ++joint) {
+    const JointReading reading = read(joint);
+    send(messages_.encoder(joint, reading.position_rad, reading.velocity_rad_s),
+         joint == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2);
+  }
+  send(messages_.driveStatus(drive_.reportedTorque(), drive_.enabled(), drive_.fault()),
+       FrameChannel::kDriveStatus);
+}
+
 void Rig::sampleFaults(double time_s) noexcept {
   if (faults_.events().empty()) {
     return;
   }
   faults_.advance(time_s);
   drive_.disturb(faults_.drive());
+  for (std::size_t joint = 0; joint < field_drives_.size(); ++joint) {
+    field_drives_[joint].defect(faults_.fieldDrive(static_cast<int>(joint)), now_ns_);
+  }
   interface_down_.store(faults_.active(FaultKind::kInterfaceDown), std::memory_order_relaxed);
   if (faults_.began(FaultKind::kBusOff)) {
     reportError(can::kErrorBusOff);

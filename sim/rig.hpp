@@ -22,6 +22,7 @@
 #include "sim/emg_generator.hpp"
 #include "sim/encoder.hpp"
 #include "sim/fault_injector.hpp"
+#include "sim/field_drives.hpp"
 #include "sim/interaction_force.hpp"
 #include "sim/plant.hpp"
 #include "sim/recorded_emg.hpp"
@@ -55,6 +56,7 @@ struct RigOptions {
   std::filesystem::path emg_log;  ///< sends the EMG of this log instead; empty: the generator's
   EncoderOptions encoder;
   DriveOptions drive;
+  std::vector<FieldDriveOptions> field_drives;  ///< one for each joint, in place of `drive`; empty: none
   OperatorOptions operator_buttons;
   std::vector<double> initial_q_rad;             ///< empty: zero
   std::vector<double> initial_dq_rad_s;          ///< empty: at rest
@@ -106,6 +108,7 @@ class Rig {
   std::int64_t sensorPeriod_ns() const noexcept { return sensor_period_ns_; }
   const Plant& plant() const noexcept { return plant_; }
   const Drive& drive() const noexcept { return drive_; }
+  const FieldDrives& fieldDrives() const noexcept { return field_drives_; }
   const EmgGenerator& emg() const noexcept { return emg_; }
   RigStatistics statistics() const noexcept;
   /// By script: the rig's side of the bus is gone. May be asked from any thread.
@@ -122,6 +125,11 @@ class Rig {
   void send(const can::Frame& frame, FrameChannel channel) noexcept;
   void queue(can::Frame frame) noexcept;
   void obey(const can::Frame& frame) noexcept;
+  JointReading read(std::size_t joint) noexcept;
+  const JointVector& torque() noexcept {
+    return field_drives_.any() ? field_drives_.torque() : drive_.torque();
+  }
+  void sampleDrives() noexcept;
   void reportError(std::uint32_t error_class) noexcept;
   bool resetPressed(double time_s) const noexcept;
 
@@ -134,11 +142,21 @@ class Rig {
 
   Plant plant_;
   Drive drive_;
+  FieldDrives field_drives_;
   EmgGenerator emg_;
   std::optional<RecordedEmg> recorded_emg_;
   std::vector<Encoder> encoders_;
   RigMessages messages_;
   SpscRing<can::Frame> queue_;
+  /// Frames of the drives, through the faults of the bus.
+  class DriveSink final : public FrameSink {
+   public:
+    explicit DriveSink(Rig& rig) noexcept : rig_(rig) {}
+    void put(const can::Frame& frame) noexcept override { rig_.send(frame, FrameChannel::kDriveStatus); }
+
+   private:
+    Rig& rig_;
+  };
   FaultInjector faults_;
   std::atomic<bool> interface_down_{false};
 

@@ -45,17 +45,26 @@ can::Frame OutgoingMessage::make(std::initializer_list<double> values) noexcept 
   return frame;
 }
 
-RigMessages::RigMessages(const can::Database& database, int joints)
-    : encoders_(encoderMessages(database, joints)),
-      drive_status_(database, "DriveStatus", {"Torque1", "Torque2", "Enabled", "Fault"}),
-      emg_(database, "Emg", {"Channel1", "Channel2", "Channel3", "Channel4"}),
-      truth_(database, "Truth", {"Fu1", "Fu2"}),
-      operator_(database, "Operator", {"Enable", "Reset"}),
-      // A drive obeys only commands that are guarded.
-      command_(database.message("TorqueCommand"), {"TorqueCommand", "Counter", "Crc"}),
-      command_enable_(command_.slot("Enable")) {
+RigMessages::RigMessages(const can::Database& database, int joints, bool field_drives)
+    : operator_(database, "Operator", {"Enable", "Reset"}) {
+  if (!field_drives || database.find("Emg") != nullptr) {
+    emg_.emplace(database, "Emg",
+                 std::initializer_list<std::string_view>{"Channel1", "Channel2", "Channel3", "Channel4"});
+  }
+  if (!field_drives || database.find("Truth") != nullptr) {
+    truth_.emplace(database, "Truth", std::initializer_list<std::string_view>{"Fu1", "Fu2"});
+  }
+  if (field_drives) {
+    return;
+  }
+  encoders_ = encoderMessages(database, joints);
+  drive_status_.emplace(database, "DriveStatus",
+                        std::initializer_list<std::string_view>{"Torque1", "Torque2", "Enabled", "Fault"});
+  // A drive obeys only commands that are guarded.
+  command_.emplace(database.message("TorqueCommand"), can::Protection{"TorqueCommand", "Counter", "Crc"});
+  command_enable_ = command_->slot("Enable");
   for (int joint = 1; joint <= joints; ++joint) {
-    command_torques_.push_back(command_.slot("Torque" + std::to_string(joint)));
+    command_torques_.push_back(command_->slot("Torque" + std::to_string(joint)));
   }
 }
 
@@ -66,16 +75,16 @@ can::Frame RigMessages::encoder(std::size_t joint, double position_rad,
 
 can::Frame RigMessages::driveStatus(const JointVector& torque_Nm, bool enabled,
                                     DriveFault fault) noexcept PATELLA_NONBLOCKING {
-  return drive_status_.make(
+  return drive_status_->make(
       {torque_Nm(0), second(torque_Nm), enabled ? 1.0 : 0.0, static_cast<double>(fault)});
 }
 
 can::Frame RigMessages::emg(const EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING {
-  return emg_.make({signal_mV[0], signal_mV[1], signal_mV[2], signal_mV[3]});
+  return emg_->make({signal_mV[0], signal_mV[1], signal_mV[2], signal_mV[3]});
 }
 
 can::Frame RigMessages::truth(const JointVector& f_u_rad_s2) noexcept PATELLA_NONBLOCKING {
-  return truth_.make({f_u_rad_s2(0), second(f_u_rad_s2)});
+  return truth_->make({f_u_rad_s2(0), second(f_u_rad_s2)});
 }
 
 can::Frame RigMessages::operatorButtons(bool enable, bool reset) noexcept PATELLA_NONBLOCKING {
@@ -84,13 +93,13 @@ can::Frame RigMessages::operatorButtons(bool enable, bool reset) noexcept PATELL
 
 bool RigMessages::decodeCommand(const can::Frame& frame, JointVector& torque_Nm,
                                 bool& enable) noexcept PATELLA_NONBLOCKING {
-  if (command_.check(frame).status != can::FrameStatus::kUsable) {
+  if (command_->check(frame).status != can::FrameStatus::kUsable) {
     return false;
   }
   for (std::size_t joint = 0; joint < command_torques_.size(); ++joint) {
-    torque_Nm(static_cast<Eigen::Index>(joint)) = command_.value(frame, command_torques_[joint]);
+    torque_Nm(static_cast<Eigen::Index>(joint)) = command_->value(frame, command_torques_[joint]);
   }
-  enable = command_.value(frame, command_enable_) != 0.0;
+  enable = command_->value(frame, command_enable_) != 0.0;
   return true;
 }
 
@@ -98,9 +107,12 @@ void RigMessages::restart() noexcept {
   for (OutgoingMessage& encoder : encoders_) {
     encoder.restart();
   }
-  for (OutgoingMessage* message : {&drive_status_, &emg_, &truth_, &operator_}) {
-    message->restart();
+  for (std::optional<OutgoingMessage>* message : {&drive_status_, &emg_, &truth_}) {
+    if (*message) {
+      (*message)->restart();
+    }
   }
+  operator_.restart();
 }
 
 }  // namespace patella::sim

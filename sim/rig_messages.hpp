@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <initializer_list>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -33,8 +34,10 @@ class OutgoingMessage {
 
 class RigMessages {
  public:
-  /// For 1 or 2 joints; a single joint has Encoder1 and leaves the second torque and f_u at zero.
-  RigMessages(const can::Database& database, int joints);
+  /// For 1 or 2 joints; a single joint has Encoder1 and leaves the second torque and f_u at zero. With drives
+  /// that are nodes of their own, these send positions and obey commands, and of the rig's own messages the
+  /// operator's alone has to be there.
+  RigMessages(const can::Database& database, int joints, bool field_drives);
 
   can::Frame encoder(std::size_t joint, double position_rad,
                      double velocity_rad_s) noexcept PATELLA_NONBLOCKING;
@@ -44,8 +47,10 @@ class RigMessages {
   can::Frame truth(const JointVector& f_u_rad_s2) noexcept PATELLA_NONBLOCKING;
   can::Frame operatorButtons(bool enable, bool reset) noexcept PATELLA_NONBLOCKING;
 
+  bool hasEmg() const noexcept { return emg_.has_value(); }
+  bool hasTruth() const noexcept { return truth_.has_value(); }
   bool isCommand(const can::Frame& frame) const noexcept PATELLA_NONBLOCKING {
-    return command_.matches(frame);
+    return command_ && command_->matches(frame);
   }
   /// False, and nothing stored, where CRC or length is wrong or the counter repeats. A counter that jumped is
   /// taken: the drive wants the newest command, and its watchdog judges the gaps.
@@ -57,13 +62,13 @@ class RigMessages {
 
  private:
   std::vector<OutgoingMessage> encoders_;
-  OutgoingMessage drive_status_;
-  OutgoingMessage emg_;
-  OutgoingMessage truth_;
+  std::optional<OutgoingMessage> drive_status_;
+  std::optional<OutgoingMessage> emg_;
+  std::optional<OutgoingMessage> truth_;
   OutgoingMessage operator_;
-  can::MessageDecoder command_;
+  std::optional<can::MessageDecoder> command_;
   std::vector<std::size_t> command_torques_;
-  std::size_t command_enable_;
+  std::size_t command_enable_ = 0;
 };
 
 }  // namespace patella::sim

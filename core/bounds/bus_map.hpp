@@ -23,6 +23,13 @@ inline constexpr std::array kBusMap{
     rehearsed(whole("checks.tolerated_bad_frames", "frames", 0, 10, "in a row: 10 ms at 1 kHz, half of what the drives wait"), 100),
     magnitude("input.scale", "inside per signal", 1e-10, 10000, "2π/2³² rad, the finest encoder's step; kN as N, V as mV"),
     number("input.offset", "inside", -1000, 1000, "an amplifier's offset, mV; angles lie within position_min_rad and position_max_rad in any case"),
+    number("input.good", "signal", -1e6, 1e6, "any state that a drive reports"),
+    number("range.minimum", "signal", -1e6, 1e6, "any motor's range"),
+    number("range.maximum", "signal", -1e6, 1e6, "as above, and more than minimum"),
+    number("command.enter_period_s", "s", 0.001, 0.1, "a tick at 1 kHz; ten tries a second at least"),
+    number("command.enter_timeout_s", "s", 0.01, 10, "a state machine's step; a brake's release and an encoder's search"),
+    number("command.enter_time_s", "s", 0.01, 10, "ten frames at 1 kHz; as above"),
+    number("command.constant.value", "signal", -1e6, 1e6, "what its bits hold decides, too"),
     magnitude("command.output.scale", "inside per signal", 1e-10, 10000, "as input.scale"),
     number("command.output.offset", "inside", -1000, 1000, "half of a 16-bit signal's range at 0.03 N·m a step"),
 };

@@ -41,10 +41,10 @@ void DriveMonitor::commanded(const Command& command) noexcept PATELLA_NONBLOCKIN
 }
 
 bool DriveMonitor::follows(const Measurement& measurement) const noexcept {
-  if (measurement.has_drive_enabled) {
-    const bool some_enabled = std::any_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
-    const bool all_enabled = std::all_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
-    if ((measurement.drive_was_enabled && !some_enabled) || (measurement.drive_was_disabled && all_enabled)) {
+  const bool some_enabled = std::any_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
+  const bool all_enabled = std::all_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
+  for (const EnabledReport& report : measurement.drive_enabled) {
+    if (report.bound && ((report.was_enabled && !some_enabled) || (report.was_disabled && all_enabled))) {
       return false;
     }
   }

@@ -36,6 +36,8 @@ enum class Fault : std::uint8_t {
   kWatchdog,             ///< the watchdog thread found the loop standing still
   kForeignCommand,       ///< somebody else commands the drives
   kCommandLate,          ///< the measurement was too old by the time its command could be sent
+  kDriveNotEntered,      ///< a drive did not report enabled within the time for it
+  kDriveLeft,            ///< a drive that was enabled no longer is, and nobody told it so
   kCount
 };
 

@@ -5,11 +5,14 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "core/types.hpp"
 #include "drivers/can/input_table.hpp"
+#include "drivers/can/message_codec.hpp"
 
 namespace patella::can {
 namespace {
@@ -52,6 +55,15 @@ struct NamedBinding {
   }
 };
 
+/// Joint from 0 of an output such as "torque_Nm.2".
+std::optional<std::size_t> torqueJoint(const std::string& output) {
+  for (std::size_t joint = 0; joint < kMaxJoints; ++joint) {
+    if (output == "torque_Nm." + std::to_string(joint + 1))
+      return joint;
+  }
+  return std::nullopt;
+}
+
 Dimension dimensionOfOutput(const std::string& output) {
   return output.starts_with("torque_Nm.") ? Dimension::kTorque : Dimension::kNone;
 }
@@ -89,15 +101,21 @@ class Check {
   Check(const Database& database, const BusMap& map, std::span<const CommandMap> commands)
       : database_(database), map_(map), commands_(commands) {}
 
-  void run() {
+  void runCommands() {
     for (const CommandMap& command : commands_)
       checkCommand(command);
+  }
+
+  void run() {
+    runCommands();
     for (const Protection& protection : map_.protections)
       checkProtection(protection);
     for (const Binding& binding : map_.bindings)
       checkInput(binding);
     for (const auto& [signal, bindings] : feeds_)
       checkShared(bindings);
+    for (const CommandMap& command : commands_)
+      checkEntering(command);
   }
 
  private:
@@ -145,7 +163,11 @@ class Check {
       bound.fail("message " + quote(binding.message) +
                  " is the command that the loop sends, expected one that it receives");
     }
+    if (fixed_messages_.contains(binding.message))
+      bound.fail("message " + quote(binding.message) + " is sent by the loop, expected one that it receives");
     const auto protection = protections_.find(binding.message);
+    if (!binding.good.empty() && !id.judges())
+      bound.fail("has 'good', expected that of drive_enabled and drive_fault only");
     checkFree(bound, database_, protection == protections_.end() ? nullptr : protection->second);
     checkUnit(bound, database_, id.kind().dimension);
     feeds_[{binding.message, binding.signal}].push_back(&binding);
@@ -157,7 +179,7 @@ class Check {
       const NamedBinding bound{*binding, "input", binding->message};
       const bool shareable = inputOf(binding->input, kMaxJoints).kind().shareable;
       if (binding->shared && !shareable)
-        bound.fail("says 'shared', expected that of drive_enabled and drive_fault only");
+        bound.fail("says 'shared', expected that of drive_enabled, drive_fault and drive_error only");
       if (binding->shared && bindings.size() == 1)
         bound.fail("says 'shared', but no other input reads " + bound.signal());
       if (binding != &first && !(binding->shared && first.shared)) {
@@ -170,7 +192,7 @@ class Check {
 
   void checkCommand(const CommandMap& command) {
     if (!command_messages_.try_emplace(command.message, &command).second) {
-      refuse(command.protection.origin,
+      refuse(command.origin.empty() ? command.protection.origin : command.origin,
              "message " + quote(command.message) + " is a command twice, expected one table for it");
     }
     checkParts(command.protection);
@@ -198,6 +220,115 @@ class Check {
         bound.fail(bound.signal() + " is multiplexed, expected one that every frame carries");
       checkUnit(bound, database_, dimensionOfOutput(binding.input));
     }
+    checkConstants(command, signals);
+    checkUnbound(command, signals);
+    for (const auto* frames : {&command.enter, &command.leave, &command.clear}) {
+      for (const FixedFrame& frame : *frames)
+        checkFixed(command, frame);
+    }
+  }
+
+  void checkConstants(const CommandMap& command, const std::map<std::string, const Binding*>& outputs) const {
+    const Message* message = database_.find(command.message);
+    std::set<std::string> known;
+    for (const Constant& constant : command.constants) {
+      const std::string name =
+          "constant: signal " + quote(constant.signal) + " of message " + quote(command.message);
+      if (!known.insert(constant.signal).second)
+        refuse(constant.origin, name + " has a constant already, expected one");
+      if (outputs.contains(constant.signal))
+        refuse(constant.origin, name + " is an output as well, expected one of the two");
+      if (constant.signal == command.protection.counter_signal ||
+          constant.signal == command.protection.crc_signal)
+        refuse(constant.origin, name + " is its counter or CRC, expected one that carries data");
+      if (message == nullptr)
+        continue;  // whoever compiles the message says so
+      const Signal* signal = message->find(constant.signal);
+      if (signal == nullptr)
+        refuse(constant.origin, name + " does not exist");
+      Frame frame = CompiledMessage(*message, {}).blank();
+      const CompiledSignal compiled(*message, *signal);
+      if (!compiled.inRange(constant.value) || !compiled.encode(frame, constant.value)) {
+        refuse(constant.origin, name + ": value " + digits(constant.value) +
+                                    ", expected one that lies in its range and in its bits, and in a frame "
+                                    "that carries it always");
+      }
+    }
+  }
+
+  // Bits that nobody sets are zero, which may well be full torque backwards.
+  void checkUnbound(const CommandMap& command, const std::map<std::string, const Binding*>& outputs) const {
+    const Message* message = database_.find(command.message);
+    if (message == nullptr)
+      return;
+    for (const Signal& signal : message->signals) {
+      const auto constant =
+          std::find_if(command.constants.begin(), command.constants.end(),
+                       [&](const Constant& candidate) { return candidate.signal == signal.name; });
+      const bool zero = signal.offset == 0.0 && signal.factor != 0.0;
+      if (zero || outputs.contains(signal.name) || constant != command.constants.end() ||
+          signal.name == command.protection.counter_signal || signal.name == command.protection.crc_signal)
+        continue;
+      refuse(command.origin, "signal " + quote(signal.name) + " of message " + quote(command.message) +
+                                 " is neither an output nor a constant, and its bits at zero mean " +
+                                 (signal.factor == 0.0 ? "what no factor tells"
+                                                       : digits(signal.offset) +
+                                                             (signal.unit.empty() ? "" : " " + signal.unit)) +
+                                 "; expected an output or a constant for it");
+    }
+  }
+
+  void checkFixed(const CommandMap& command, const FixedFrame& frame) {
+    const std::string& name = frame.message.empty() ? command.message : frame.message;
+    fixed_messages_.insert(name);
+    const Message* message = database_.find(name);
+    if (message == nullptr)
+      refuse(frame.origin, "message " + quote(name) + " is not in " + quote(database_.source));
+    if (static_cast<int>(frame.data.size()) != message->length) {
+      refuse(frame.origin, "data of " + std::to_string(frame.data.size()) + " bytes, expected " +
+                               std::to_string(message->length) + " as message " + quote(name) + " has");
+    }
+    if (message->fd || message->length > 8)
+      refuse(frame.origin, "message " + quote(name) + " is one of CAN FD, expected a classic frame");
+  }
+
+  // Who enters has to leave, and to be known to be in.
+  void checkEntering(const CommandMap& command) const {
+    if (command.enter.empty() != command.leave.empty()) {
+      refuse(command.origin,
+             std::string("command ") + quote(command.message) + " has " +
+                 (command.enter.empty() ? "'leave' without 'enter'" : "'enter' without 'leave'") +
+                 ", expected both or none");
+    }
+    if (command.enter.empty()) {
+      if (command.enter_time_s != 0.0 || !command.clear.empty()) {
+        refuse(command.origin, "command " + quote(command.message) + " has " +
+                                   (command.clear.empty() ? "'enter_time_s'" : "'clear'") +
+                                   " without 'enter', expected 'enter' and 'leave' as well");
+      }
+      return;
+    }
+    for (const Binding& binding : command.bindings) {
+      const std::optional<std::size_t> index = torqueJoint(binding.input);
+      if (!index)
+        continue;  // whoever compiles the command says so
+      const std::size_t joint = *index;
+      const bool reports =
+          inputs_.contains({Input::kDriveEnabled, 0}) || inputs_.contains({Input::kJointEnabled, joint});
+      const std::string report = "'drive_enabled." + std::to_string(joint + 1) + "'";
+      if (!reports && command.enter_time_s == 0.0) {
+        refuse(command.origin, "command " + quote(command.message) +
+                                   " has 'enter', but nothing is bound to " + report +
+                                   " to tell when it is done; expected that, or 'enter_time_s' for a "
+                                   "drive that does not report it");
+      }
+      if (reports && command.enter_time_s != 0.0) {
+        refuse(command.origin, "command " + quote(command.message) +
+                                   " has 'enter_time_s', which is for a drive "
+                                   "that does not report, but " +
+                                   report + " is bound");
+      }
+    }
   }
 
   const Database& database_;
@@ -205,6 +336,7 @@ class Check {
   std::span<const CommandMap> commands_;
   std::map<std::string, const CommandMap*> command_messages_;
   std::map<std::string, const Binding*> torques_;
+  std::set<std::string> fixed_messages_;
   std::map<std::string, const Protection*> protections_;
   std::map<std::pair<Input, std::size_t>, const Binding*> inputs_;
   std::map<Names, std::vector<const Binding*>> feeds_;
@@ -214,6 +346,11 @@ class Check {
 
 void checkBindings(const Database& database, const BusMap& map, std::span<const CommandMap> commands) {
   Check(database, map, commands).run();
+}
+
+void checkCommands(const Database& database, std::span<const CommandMap> commands) {
+  const BusMap no_inputs;
+  Check(database, no_inputs, commands).runCommands();
 }
 
 namespace {
@@ -263,7 +400,8 @@ class Remarks {
          {Input::kOperatorReset, "no stop is left again"}}};
     for (const auto& [input, consequence] : kWanted) {
       const auto is = [wanted = input](const Binding& binding) {
-        return inputOf(binding.input, kMaxJoints).input == wanted;
+        const InputId id = inputOf(binding.input, kMaxJoints);
+        return id.input == wanted || id.kind().name == kInputKinds[static_cast<std::size_t>(wanted)].name;
       };
       if (std::none_of(map.bindings.begin(), map.bindings.end(), is)) {
         add("no signal is bound to " + std::string(kInputKinds[static_cast<std::size_t>(input)].name) + ": " +
@@ -289,6 +427,29 @@ class Remarks {
     }
   }
 
+  /// A bus on which nobody counts or checks, as that of most drives.
+  void nothingGuarded(const BusMap& map, std::span<const CommandMap> commands) {
+    const auto none = [](const Protection& protection) {
+      return protection.counter_signal.empty() && protection.crc_signal.empty();
+    };
+    const bool commands_too = std::all_of(commands.begin(), commands.end(),
+                                          [&](const CommandMap& c) { return none(c.protection); });
+    const auto drive = [](const Binding& binding) {
+      const InputGroup group = inputOf(binding.input, kMaxJoints).kind().group;
+      return group == kEncoderGroup || group == kDriveGroup;
+    };
+    const auto guarded = [&](const Binding& binding) {
+      return std::any_of(map.protections.begin(), map.protections.end(), [&](const Protection& protection) {
+        return protection.message == binding.message && !none(protection);
+      });
+    };
+    if (commands_too && std::none_of(map.bindings.begin(), map.bindings.end(),
+                                     [&](const Binding& b) { return drive(b) && guarded(b); })) {
+      add("no message of encoders, drives and command has a counter or a CRC: frame_corrupt and "
+          "frame_sequence cannot be found; docs/safety.md says what stands in");
+    }
+  }
+
   void addUnguarded(const std::string& message, const Protection& protection) {
     if (const std::string text = unguarded(protection); !text.empty())
       add("message " + quote(message) + " " + text);
@@ -304,6 +465,7 @@ std::vector<std::string> bindingRemarks(const Database& database, const BusMap& 
   Remarks remarks;
   remarks.missingInputs(map);
   remarks.missingProtection(map, emg_assists);
+  remarks.nothingGuarded(map, commands);
   for (const Binding& binding : map.bindings) {
     const Dimension dimension = inputOf(binding.input, kMaxJoints).kind().dimension;
     remarks.add(unitRemark({binding, "input", binding.message}, database, dimension));

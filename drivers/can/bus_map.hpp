@@ -1,6 +1,7 @@
 // Which signal of which message feeds which input: what configuration fills in.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct Binding {
   std::string scale_reason{};  ///< what scale holds besides the change of units, a gear say; else the DBC's
                                ///< unit has to agree with it
   std::string origin{};        ///< where it was written, "file:line: key 'input[2]'"; for messages
+  /// Of a status: values that mean enabled, or no fault. Empty: enabled is more than 0.5, no fault is 0.
+  std::vector<double> good{};
 };
 
 struct BusMap {
@@ -48,11 +51,34 @@ struct BusMap {
   int tolerated_bad_frames = 3;
 };
 
-/// The frame that commands the drives.
+/// A signal of a command that is the same in every frame.
+struct Constant {
+  std::string signal;
+  double value = 0.0;  ///< in the DBC's unit
+  std::string origin{};
+};
+
+/// A frame that is sent as it stands.
+struct FixedFrame {
+  std::string message;  ///< empty: that of the command
+  std::vector<std::uint8_t> data;
+  std::string origin{};
+};
+
+/// The frame that commands one drive, or all of them, and the frames by which it enters and leaves.
 struct CommandMap {
   std::string message;
   std::vector<Binding> bindings;  ///< their `message` may be left empty
   Protection protection;          ///< its `message` may be left empty
+  std::vector<Constant> constants{};
+  std::vector<FixedFrame> enter{};  ///< repeated until the drive reports enabled
+  std::vector<FixedFrame> leave{};  ///< repeated until it reports disabled
+  std::vector<FixedFrame> clear{};  ///< when the operator presses reset while the drive is out
+  double enter_period_s = 0.01;
+  double enter_timeout_s = 0.5;
+  double enter_time_s =
+      0.0;  ///< of a drive that does not report: how long it is told to enter; 0: it reports
+  std::string origin{};
 };
 
 }  // namespace patella::can

@@ -1,11 +1,14 @@
-// From a tick's command to the frame on the bus.
+// From a tick's command to the frames on the bus: one for each drive, or one for all of them.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "core/measurement.hpp"
+#include "core/safety/drive_entry.hpp"
 #include "core/types.hpp"
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/can_frame.hpp"
@@ -14,23 +17,23 @@
 
 namespace patella::can {
 
-/// Outputs that can be bound: torque_Nm.J (required for each joint), enable, state.
-class CommandEncoder {
+/// The command of one frame, and how the drive that obeys it enters and leaves. Outputs that can be bound:
+/// torque_Nm.J, enable, state.
+class DriveCommand {
  public:
   /// Throws std::invalid_argument naming output, message or signal, and what exists.
-  CommandEncoder(const Database& database, const CommandMap& map, int joints);
+  DriveCommand(const Database& database, const CommandMap& map, int joints);
 
-  /// The next frame: zero but for the bound signals, counter and CRC. Torque saturates at what its bits hold;
-  /// where one is not finite, all are zero and enable is false.
-  Frame encode(const Command& command) noexcept PATELLA_NONBLOCKING;
+  /// Without counter and CRC: zero but for the bound signals and the constants. Torque saturates at what its
+  /// bits hold; where one is not finite, all are zero and enable is false.
+  Frame encode(const Command& command) const noexcept PATELLA_NONBLOCKING;
+  /// Puts in the next counter value and the CRC; the last step before sending.
+  void seal(Frame& frame) noexcept PATELLA_NONBLOCKING { encoder_.seal(frame); }
 
-  /// True for a frame that the drives would take for a command, whoever sent it.
-  bool commands(const Frame& frame) const noexcept PATELLA_NONBLOCKING {
-    return !frame.error && !frame.remote && frame.id == id() && frame.extended == extended();
-  }
-
-  std::uint32_t id() const noexcept { return encoder_.layout().id(); }
-  bool extended() const noexcept { return encoder_.layout().extended(); }
+  std::span<const Frame> frames(safety::DriveFrames which) const noexcept PATELLA_NONBLOCKING;
+  const safety::DriveEntrySettings& entry() const noexcept { return entry_; }
+  bool moves(int joint) const noexcept { return torques_[static_cast<std::size_t>(joint)].has_value(); }
+  const CompiledMessage& layout() const noexcept { return encoder_.layout(); }
 
  private:
   struct Output {
@@ -38,13 +41,62 @@ class CommandEncoder {
     double scale = 1.0;
     double offset = 0.0;
   };
+  void bind(const CommandMap& map, const Binding& binding, int joints);
+  std::vector<Frame> fixed(const Database& database, const CommandMap& map,
+                           const std::vector<FixedFrame>& frames) const;
   void put(Frame& frame, const std::optional<Output>& output, double value) const noexcept;
 
   MessageEncoder encoder_;
-  int joints_;
+  Frame blank_;  ///< with the constants
   std::array<std::optional<Output>, kMaxJoints> torques_;
   std::optional<Output> enable_;
   std::optional<Output> state_;
+  std::vector<Frame> enter_, leave_, clear_;
+  safety::DriveEntrySettings entry_;
+};
+
+/// All drives' commands, in the order of the map.
+class CommandEncoder {
+ public:
+  /// Throws std::invalid_argument as DriveCommand does, where checkBindings() refuses the map, and unless
+  /// each joint's torque is bound once.
+  CommandEncoder(const Database& database, std::span<const CommandMap> maps, int joints);
+  CommandEncoder(const Database& database, const CommandMap& map, int joints)
+      : CommandEncoder(database, {&map, 1}, joints) {}
+
+  /// Frames that make up a command; at most one a joint.
+  std::size_t size() const noexcept { return drives_.size(); }
+  DriveCommand& drive(std::size_t index) noexcept { return drives_[index]; }
+  const DriveCommand& drive(std::size_t index) const noexcept { return drives_[index]; }
+
+  /// The next frame of a drive, with counter and CRC.
+  Frame encode(const Command& command, std::size_t index = 0) noexcept PATELLA_NONBLOCKING {
+    Frame frame = drives_[index].encode(command);
+    drives_[index].seal(frame);
+    return frame;
+  }
+
+  /// True for a frame that the drives would take for a command, or for one to enter, leave or clear errors,
+  /// whoever sent it.
+  bool commands(const Frame& frame) const noexcept PATELLA_NONBLOCKING;
+
+  /// An identifier that only the loop sends.
+  struct Identifier {
+    std::uint32_t id = 0;
+    bool extended = false;
+    bool operator==(const Identifier&) const = default;
+  };
+  /// Without repetition.
+  const std::vector<Identifier>& identifiers() const noexcept { return identifiers_; }
+
+  /// One for each drive.
+  std::vector<safety::DriveEntrySettings> entries() const;
+
+ private:
+  void note(const Frame& frame);
+
+  std::vector<DriveCommand> drives_;
+  std::vector<Identifier> identifiers_;
 };
 
 }  // namespace patella::can

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include "core/measurement.hpp"
 
@@ -18,10 +19,10 @@ class DriveReports {
     span.newest = torque_Nm;
     span.fresh = true;
   }
-  void enabled(bool enabled) noexcept { enabled_.note(enabled); }
-  void fault(bool fault) noexcept { fault_.note(fault); }
+  void enabled(std::size_t joint, bool enabled) noexcept { enabled_[joint].note(enabled); }
+  void fault(std::size_t joint, bool fault) noexcept { fault_[joint].note(fault); }
 
-  /// Ends the tick: fills in what the drives said in it, or last said. True where they reported a fault.
+  /// Ends the tick: fills in what the drives said in it, or last said. True where one reported a fault.
   bool finish(Measurement& measurement) noexcept {
     for (Eigen::Index joint = 0; joint < measurement.drive_torque_Nm.size(); ++joint) {
       Span& span = torque_Nm_[static_cast<std::size_t>(joint)];
@@ -30,11 +31,15 @@ class DriveReports {
       measurement.highest_drive_torque_Nm[joint] = span.fresh ? span.highest : span.newest;
       span.fresh = false;
     }
-    measurement.drive_was_enabled = enabled_.was(true);
-    measurement.drive_was_disabled = enabled_.was(false);
-    const bool had_fault = fault_.was(true);
-    enabled_.next();
-    fault_.next();
+    bool had_fault = false;
+    for (std::size_t joint = 0; joint < kMaxJoints; ++joint) {
+      EnabledReport& report = measurement.drive_enabled[joint];
+      report.was_enabled = enabled_[joint].was(true);
+      report.was_disabled = enabled_[joint].was(false);
+      had_fault = had_fault || fault_[joint].was(true);
+      enabled_[joint].next();
+      fault_[joint].next();
+    }
     return had_fault;
   }
 
@@ -59,7 +64,7 @@ class DriveReports {
     std::array<bool, 2> seen_{};  ///< in this tick
   };
   std::array<Span, kMaxJoints> torque_Nm_{};
-  Flag enabled_, fault_;
+  std::array<Flag, kMaxJoints> enabled_{}, fault_{};
 };
 
 }  // namespace patella::can

@@ -13,9 +13,14 @@ namespace patella::can {
 InputId inputOf(std::string_view name, int joints) {
   const std::string quoted = "input '" + std::string(name) + "'";
   const std::size_t dot = std::min(name.find('.'), name.size());
+  const bool indexed = dot != name.size();
   const auto* known = std::find_if(kInputKinds.begin(), kInputKinds.end(), [&](const InputKind& candidate) {
-    return candidate.name == name.substr(0, dot);
+    return candidate.name == name.substr(0, dot) && candidate.indexed == indexed;
   });
+  if (known == kInputKinds.end()) {
+    known = std::find_if(kInputKinds.begin(), kInputKinds.end(),
+                         [&](const InputKind& candidate) { return candidate.name == name.substr(0, dot); });
+  }
   if (known == kInputKinds.end()) {
     std::string names;
     for (const InputKind& candidate : kInputKinds) {
@@ -26,7 +31,7 @@ InputId inputOf(std::string_view name, int joints) {
   }
   const auto input = static_cast<Input>(known - kInputKinds.begin());
   if (!known->indexed) {
-    if (dot != name.size())
+    if (indexed)
       throw std::invalid_argument(quoted + " takes no number");
     return {input, 0};
   }

@@ -18,6 +18,10 @@ enum class Input : std::uint8_t {
   kTruth,
   kDriveEnabled,
   kDriveFault,
+  kJointEnabled,
+  kJointFault,
+  kDriveTemperature,
+  kDriveError,
   kOperatorEnable,
   kOperatorReset,
   kCount
@@ -52,6 +56,10 @@ inline constexpr std::array<InputKind, kInputCount> kInputKinds = {
      {"true_f_u", kNoTimeout, Dimension::kAcceleration, true, false},
      {"drive_enabled", kDriveGroup, Dimension::kNone, false, true},
      {"drive_fault", kDriveGroup, Dimension::kNone, false, true},
+     {"drive_enabled", kDriveGroup, Dimension::kNone, true, true},
+     {"drive_fault", kDriveGroup, Dimension::kNone, true, true},
+     {"drive_temperature_degC", kNoTimeout, Dimension::kTemperature, true, false},
+     {"drive_error", kNoTimeout, Dimension::kNone, true, true},
      {"operator_enable", kOperatorGroup, Dimension::kNone, false, false},
      {"operator_reset", kOperatorGroup, Dimension::kNone, false, false}}};
 
@@ -60,10 +68,16 @@ struct InputId {
   std::size_t index = 0;  ///< from 0; names count from 1
 
   const InputKind& kind() const noexcept { return kInputKinds[static_cast<std::size_t>(input)]; }
+  /// Its signal means well or ill, by a list of values where the map has one.
+  bool judges() const noexcept {
+    return input == Input::kDriveEnabled || input == Input::kDriveFault || input == Input::kJointEnabled ||
+           input == Input::kJointFault;
+  }
   bool operator==(const InputId&) const = default;
 };
 
-/// The input that a name such as "position_rad.2" means, for a leg of so many joints. Throws
+/// The input that a name such as "position_rad.2" means, for a leg of so many joints. A status without a
+/// number is that of all drives, with one that of a joint's. Throws
 /// std::invalid_argument naming it and what there is.
 InputId inputOf(std::string_view name, int joints);
 

@@ -70,7 +70,12 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   }
   measurement_.has_velocity = isBound(Input::kVelocity);
   measurement_.has_drive_torque = isBound(Input::kDriveTorque);
-  measurement_.has_drive_enabled = isBound(Input::kDriveEnabled);
+  requireOneForm(Input::kDriveEnabled, Input::kJointEnabled);
+  requireOneForm(Input::kDriveFault, Input::kJointFault);
+  for (std::size_t joint = 0; joint < static_cast<std::size_t>(joints_); ++joint) {
+    measurement_.drive_enabled[joint].bound =
+        isBound(Input::kDriveEnabled) || isBound(Input::kJointEnabled, joint);
+  }
 }
 
 MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Database& database,
@@ -100,7 +105,7 @@ void MeasurementDecoder::bind(const Database& database, const BusMap& map, const
   try {
     BoundMessage& message = boundMessage(database, map, binding.message);
     message.inputs.push_back({input, static_cast<std::uint8_t>(index), message.decoder.slot(binding.signal),
-                              binding.scale, binding.offset});
+                              binding.scale, binding.offset, binding.good});
     message.groups[group] = true;
     message.timeout_ns = std::min(message.timeout_ns, timeouts_ns_[group]);
     const bool emg_only = input == Input::kEmg && message.period_ns == 0;
@@ -123,6 +128,15 @@ void MeasurementDecoder::requireAllOrNone(Input input) const {
   if (count != 0 && count != joints_) {
     throw std::invalid_argument("input '" + std::string(kInputKinds[static_cast<std::size_t>(input)].name) +
                                 "' is bound for some joints and not for others; expected all or none");
+  }
+}
+
+void MeasurementDecoder::requireOneForm(Input all, Input one) const {
+  const auto& bound = bound_[static_cast<std::size_t>(one)];
+  if (isBound(all) && std::find(bound.begin(), bound.end(), true) != bound.end()) {
+    const std::string name(kInputKinds[static_cast<std::size_t>(all)].name);
+    throw std::invalid_argument("input '" + name + "' is bound for all drives and for a joint's, expected '" +
+                                name + "' alone or '" + name + ".<number>' for each");
   }
 }
 
@@ -177,14 +191,10 @@ bool MeasurementDecoder::followSequence(BoundMessage& message, const Frame& fram
     const std::int64_t elapsed =
         elapsedPeriods(frame.wall_ns - message.last_wall_ns, frame.monotonic_ns - message.last_monotonic_ns,
                        message.period_ns);
-    if (!message.decoder.hasCounter()) {
-      steps = std::max<std::int64_t>(elapsed, 1);
-    } else {
-      // Whole turns of the counter during a long silence show only on the clock.
-      const std::int64_t modulus = message.decoder.counterModulus();
-      if (elapsed > steps)
-        steps += roundedRatio(elapsed - steps, modulus) * modulus;
-    }
+    // Whole turns of the counter during a long silence show only on the clock.
+    const std::int64_t modulus = message.decoder.counterModulus();
+    if (message.decoder.hasCounter() && elapsed > steps)
+      steps += roundedRatio(elapsed - steps, modulus) * modulus;
   }
   if (message.decoder.hasCounter())
     message.statistics.lost += static_cast<std::uint64_t>(steps - 1);
@@ -221,21 +231,34 @@ bool MeasurementDecoder::readValues(const BoundMessage& message, const Frame& fr
       continue;
     if (!signal.inRange(physical))
       return false;
-    if (input.input == Input::kPosition && !plausiblePosition(message, frame, input.index, values[i]))
+    if (input.input == Input::kPosition && !plausiblePosition(message, frame, input, values[i]))
       return false;
   }
   return true;
 }
 
-bool MeasurementDecoder::plausiblePosition(const BoundMessage& message, const Frame& frame, std::size_t joint,
-                                           double position_rad) const noexcept {
+// Sensor periods since the input's sample before. Without a counter the input's own frames tell: those of a
+// multiplexed message take turns, and a drive may answer twice within a period.
+std::int64_t MeasurementDecoder::periodsSince(const BoundMessage& message, const Frame& frame,
+                                              const BoundInput& input) const noexcept {
+  const Sample& before = samples_[static_cast<std::size_t>(input.input)][input.index];
+  if (message.decoder.hasCounter())
+    return message.sample - before.number;
+  return elapsedPeriods(frame.wall_ns - before.wall_ns, frame.monotonic_ns - before.monotonic_ns,
+                        message.period_ns);
+}
+
+bool MeasurementDecoder::plausiblePosition(const BoundMessage& message, const Frame& frame,
+                                           const BoundInput& input, double position_rad) const noexcept {
+  constexpr auto kPosition = static_cast<std::size_t>(Input::kPosition);
   if (position_rad < position_min_rad_ || position_rad > position_max_rad_)
     return false;
-  const bool has_reference = seen_[static_cast<std::size_t>(Input::kPosition)][joint] &&
-                             frame.monotonic_ns - message.used_monotonic_ns <= message.timeout_ns;
+  const std::size_t joint = input.index;
+  const bool has_reference =
+      seen_[kPosition][joint] && frame.monotonic_ns - stored_ns_[kPosition][joint] <= message.timeout_ns;
   if (!has_reference)
     return true;
-  const auto steps = static_cast<double>(message.sample - position_sample_[joint]);
+  const auto steps = static_cast<double>(periodsSince(message, frame, input));
   const double jump = position_rad - measurement_.position_rad[static_cast<Eigen::Index>(joint)];
   return std::abs(jump) <= position_jump_rad_ * std::max(steps, 1.0);
 }
@@ -251,9 +274,9 @@ void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const 
     const BoundInput& input = message.inputs[i];
     if (message.decoder.signal(input.slot).presence(frame) == Presence::kNotSelected)
       continue;
+    storeInput(message, frame, input, values[i]);
     seen_[static_cast<std::size_t>(input.input)][input.index] = true;
     stored_ns_[static_cast<std::size_t>(input.input)][input.index] = frame.monotonic_ns;
-    storeInput(message, input, values[i]);
     if (input.input == Input::kPosition) {
       measurement_.encoder_monotonic_ns = frame.monotonic_ns;
       measurement_.encoder_wall_ns = frame.wall_ns;
@@ -261,14 +284,34 @@ void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const 
   }
 }
 
-void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInput& input,
+// Takes note of a position or an EMG sample. False for one that no period separates from the one before: its
+// value counts, but it is no sample of its own.
+bool MeasurementDecoder::nextSample(const BoundMessage& message, const Frame& frame,
+                                    const BoundInput& input) noexcept {
+  Sample& sample = samples_[static_cast<std::size_t>(input.input)][input.index];
+  const bool first = !seen_[static_cast<std::size_t>(input.input)][input.index];
+  const std::int64_t steps = first ? message.sample : periodsSince(message, frame, input);
+  if (steps == 0)
+    return false;
+  sample = {sample.number + steps, frame.wall_ns, frame.monotonic_ns};
+  return true;
+}
+
+bool MeasurementDecoder::judge(const BoundInput& input, double value) noexcept {
+  if (!input.good.empty())
+    return std::find(input.good.begin(), input.good.end(), value) != input.good.end();
+  const bool enabled = input.input == Input::kDriveEnabled || input.input == Input::kJointEnabled;
+  return enabled ? value > 0.5 : value == 0.0;
+}
+
+void MeasurementDecoder::storeInput(const BoundMessage& message, const Frame& frame, const BoundInput& input,
                                     double value) noexcept {
   const Eigen::Index index = input.index;
   switch (input.input) {
     case Input::kPosition:
       measurement_.position_rad[index] = value;
-      position_sample_[input.index] = message.sample;
-      encoder_samples_.add(input.index, message.sample);
+      if (nextSample(message, frame, input))
+        encoder_samples_.add(input.index, sampleNumber(input));
       break;
     case Input::kVelocity:
       measurement_.velocity_rad_s[index] = value;
@@ -278,17 +321,31 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const BoundInpu
       break;
     case Input::kEmg:
       measurement_.emg_mV[input.index] = value;
-      emg_samples_.add(input.index, message.sample);
+      if (nextSample(message, frame, input))
+        emg_samples_.add(input.index, sampleNumber(input));
       break;
     case Input::kTruth:
       measurement_.true_f_u[index] = value;
       measurement_.has_truth = true;
       break;
     case Input::kDriveEnabled:
-      drive_reports_.enabled(value > 0.5);
+      for (std::size_t joint = 0; joint < static_cast<std::size_t>(joints_); ++joint)
+        drive_reports_.enabled(joint, judge(input, value));
       break;
     case Input::kDriveFault:
-      drive_reports_.fault(value != 0.0);
+      drive_reports_.fault(0, !judge(input, value));
+      break;
+    case Input::kJointEnabled:
+      drive_reports_.enabled(input.index, judge(input, value));
+      break;
+    case Input::kJointFault:
+      drive_reports_.fault(input.index, !judge(input, value));
+      break;
+    case Input::kDriveTemperature:
+      measurement_.drive_temperature_degC[input.index] = value;
+      break;
+    case Input::kDriveError:
+      measurement_.drive_error[input.index] = value;
       break;
     case Input::kOperatorEnable:
       enable_stuck_ = enable_stuck_ && value > 0.5;
@@ -343,7 +400,7 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   }
   reading.complete = true;
   for (std::size_t input = 0; input < kInputCount; ++input) {
-    if (input == static_cast<std::size_t>(Input::kTruth))
+    if (kInputKinds[input].group == kNoTimeout)
       continue;
     for (std::size_t i = 0; i < kMaxIndex; ++i) {
       if (bound_[input][i] && !seen_[input][i])

@@ -38,11 +38,12 @@ struct MessageStatistics {
 struct Reading {
   Measurement measurement;
   safety::FaultSet faults;
-  bool complete = false;  ///< every bound input but the truth has been seen
+  bool complete = false;  ///< every bound input has been seen, but for those that are only recorded
 };
 
 /// Inputs that can be bound: position_rad.J (required for each joint), velocity_rad_s.J and drive_torque_Nm.J
-/// (each for all joints or none), drive_enabled, drive_fault (not 0 is a fault), emg_mV.N, operator_enable,
+/// (each for all joints or none), drive_enabled and drive_fault, of all drives or, with .J, of a joint's;
+/// drive_temperature_degC.J and drive_error.J, which are only recorded; emg_mV.N, operator_enable,
 /// operator_reset, true_f_u.J.
 ///
 /// A frame that fails by CRC, repeats its counter or holds a value out of range changes no input.
@@ -83,6 +84,7 @@ class MeasurementDecoder {
     std::size_t slot = 0;
     double scale = 1.0;
     double offset = 0.0;
+    std::vector<double> good{};
   };
 
   struct BoundMessage {
@@ -92,7 +94,7 @@ class MeasurementDecoder {
     std::array<bool, kInputGroupCount> groups{};
     std::int64_t timeout_ns = std::numeric_limits<std::int64_t>::max();  ///< shortest of its groups
     std::int64_t period_ns = 0;
-    std::int64_t sample = 0;  ///< running number of its newest frame
+    std::int64_t sample = 0;  ///< running number of its newest frame by the counter
     std::int64_t last_monotonic_ns = 0;
     std::int64_t last_wall_ns = 0;
     std::int64_t used_monotonic_ns = 0;
@@ -107,15 +109,24 @@ class MeasurementDecoder {
   BoundMessage& boundMessage(const Database& database, const BusMap& map, const std::string& name);
   void bind(const Database& database, const BusMap& map, const Binding& binding);
   void requireAllOrNone(Input input) const;
+  void requireOneForm(Input all, Input one) const;
   bool isBound(Input input, std::size_t index) const noexcept;
   bool isBound(Input input) const noexcept { return isBound(input, 0); }
   bool followSequence(BoundMessage& message, const Frame& frame) noexcept;
   int mostSteps(const BoundMessage& message, const Frame& frame) const noexcept;
   bool readValues(const BoundMessage& message, const Frame& frame, Values& values) const noexcept;
-  bool plausiblePosition(const BoundMessage& message, const Frame& frame, std::size_t joint,
+  bool plausiblePosition(const BoundMessage& message, const Frame& frame, const BoundInput& input,
                          double position_rad) const noexcept;
   void store(BoundMessage& message, const Frame& frame, const Values& values) noexcept;
-  void storeInput(const BoundMessage& message, const BoundInput& input, double value) noexcept;
+  void storeInput(const BoundMessage& message, const Frame& frame, const BoundInput& input,
+                  double value) noexcept;
+  std::int64_t periodsSince(const BoundMessage& message, const Frame& frame,
+                            const BoundInput& input) const noexcept;
+  bool nextSample(const BoundMessage& message, const Frame& frame, const BoundInput& input) noexcept;
+  std::int64_t sampleNumber(const BoundInput& input) const noexcept {
+    return samples_[static_cast<std::size_t>(input.input)][input.index].number;
+  }
+  static bool judge(const BoundInput& input, double value) noexcept;
   bool stale(InputGroup group, std::int64_t now_ns) const noexcept;
 
   int joints_;
@@ -128,7 +139,11 @@ class MeasurementDecoder {
   std::array<std::array<bool, kMaxIndex>, kInputCount> bound_{};
   std::array<std::array<bool, kMaxIndex>, kInputCount> seen_{};
   std::array<std::array<std::int64_t, kMaxIndex>, kInputCount> stored_ns_{};
-  std::array<std::int64_t, kMaxJoints> position_sample_{};
+  struct Sample {
+    std::int64_t number = 0;
+    std::int64_t wall_ns = 0, monotonic_ns = 0;  ///< of the frame that it was counted by
+  };
+  std::array<std::array<Sample, kMaxIndex>, kInputCount> samples_{};  ///< of positions and EMG
   SampleSet<kMaxJoints> encoder_samples_;
   SampleSet<kMaxEmgChannels> emg_samples_;
   Measurement measurement_;

@@ -23,36 +23,55 @@ std::string stampText(std::int64_t wall_ns) {
                  " s back in a log that is played by its stamps; cut it there, or mend them");
 }
 
+bool sameIdentifier(const Frame& a, const Frame& b) noexcept {
+  return a.id == b.id && a.extended == b.extended;
+}
+
+bool sameContent(const Frame& a, const Frame& b) noexcept {
+  return sameIdentifier(a, b) && a.length == b.length &&
+         std::equal(a.data.begin(), a.data.begin() + a.length, b.data.begin());
+}
+
+enum class Role : std::uint8_t { kReceived, kSent, kClosing };
+
+Role roleOf(const Frame& frame, const ReplayOptions& options) {
+  if (frame.error || frame.remote)
+    return Role::kReceived;
+  const auto same = [&frame](const Frame& known) { return sameContent(frame, known); };
+  if (std::any_of(options.fixed_frames.begin(), options.fixed_frames.end(), same))
+    return Role::kSent;
+  if (options.command_id == frame.id && options.command_extended == frame.extended)
+    return Role::kClosing;
+  const auto known = [&frame](const Frame& sent) { return sameIdentifier(frame, sent); };
+  return std::any_of(options.also_sent.begin(), options.also_sent.end(), known) ? Role::kSent
+                                                                                : Role::kReceived;
+}
+
 }  // namespace
 
 ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& options) {
   CandumpReader reader(file);
   LogEntry entry;
   StampOrder stamps;
-  bool last_is_command = false;
+  Role last = Role::kReceived;
   while (reader.next(entry)) {
-    const bool command = options.command_id == entry.frame.id &&
-                         options.command_extended == entry.frame.extended && !entry.frame.error &&
-                         !entry.frame.remote;
-    last_is_command = command;
+    last = roleOf(entry.frame, options);
     stamps.follow(reader.line(), entry.frame.wall_ns);
-    if (command) {
-      commands_.push_back(entry.frame);
+    if (last == Role::kClosing) {
+      closing_.push_back(commands_.size());
       tick_end_.push_back(frames_.size());
-    } else {
-      frames_.push_back(entry.frame);
     }
+    (last == Role::kReceived ? frames_ : commands_).push_back(entry.frame);
   }
   cut_line_ = reader.cutLine();
   // The loop's recorder ends every line: what has no end is part of a line, though it may read as a whole
   // one.
   if (cut_line_ == 0 && reader.unterminated() && !commands_.empty()) {
     cut_line_ = reader.line();
-    if (last_is_command) {
-      commands_.pop_back();
+    (last == Role::kReceived ? frames_ : commands_).pop_back();
+    if (last == Role::kClosing) {
+      closing_.pop_back();
       tick_end_.pop_back();
-    } else {
-      frames_.pop_back();
     }
   }
   if (frames_.empty() && commands_.empty())
@@ -64,7 +83,8 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
     if (tick_end_.back() != frames_.size() || tick_end_[tick_end_.size() - 2] != frames_.size())
       break;
     tick_end_.pop_back();
-    commands_.pop_back();
+    closing_.pop_back();
+    commands_.resize(closing_.back() + 1);
   }
 }
 
@@ -118,10 +138,7 @@ SendResult ReplayBus::send(Frame& frame, std::int64_t now_ns) noexcept {
   }
   const Frame& recorded = commands_[next_command_];
   frame.wall_ns = recorded.wall_ns;
-  const bool same = frame.id == recorded.id && frame.extended == recorded.extended &&
-                    frame.length == recorded.length &&
-                    std::equal(frame.data.begin(), frame.data.begin() + frame.length, recorded.data.begin());
-  if (!same) {
+  if (!sameContent(frame, recorded)) {
     ++command_mismatches_;
     if (!first_mismatch_)
       first_mismatch_ = next_command_;

@@ -14,9 +14,14 @@
 namespace patella::can {
 
 struct ReplayOptions {
-  /// Identifier of the torque command. A log that holds it was recorded by the loop.
+  /// Identifier of the torque command, where there are several the last one's. A log that holds it was
+  /// recorded by the loop.
   std::optional<std::uint32_t> command_id;
   bool command_extended = false;
+  /// What else the loop sends: by identifier; and by identifier and data, frames that may have the command's
+  /// own.
+  std::vector<Frame> also_sent{};
+  std::vector<Frame> fixed_frames{};
   /// Commands with which the loop takes its leave: so many at the end of a log, with nothing received between
   /// them, close no tick and are left out.
   std::size_t farewell_commands = 0;
@@ -24,10 +29,10 @@ struct ReplayOptions {
 
 /// Plays what `candump -l` recorded.
 ///
-/// In a log of the loop's own, each torque command closes a tick: a tick is given the frames between two
-/// commands in their order, however the clocks ran then or run now, so that replaying repeats the recorded
-/// computation exactly. Commands are not delivered; what is sent is compared with them, the n-th with the
-/// n-th. Frames are stamped with the tick's time on the loop clock.
+/// In a log of the loop's own, each torque command, of several the last, closes a tick: a tick is given the
+/// frames between two commands in their order, however the clocks ran then or run now, so that replaying
+/// repeats the recorded computation exactly. Commands are not delivered; what is sent is compared with them,
+/// the n-th with the n-th. Frames are stamped with the tick's time on the loop clock.
 ///
 /// Any other log is given by its stamps, the first frame at the first receive(); each frame's time on the
 /// loop clock follows from its stamp. What is sent is dropped. Stamps that jump, see StampOrder, are refused.
@@ -47,15 +52,15 @@ class ReplayBus final : public Bus {
   BusStatistics statistics() const noexcept override { return statistics_; }
 
   /// True where the log's ticks are those of its commands.
-  bool hasCommands() const noexcept { return !commands_.empty(); }
+  bool hasCommands() const noexcept { return !closing_.empty(); }
   /// Line within which the log ends, see CandumpReader; 0 where it is whole.
   std::size_t cutLine() const noexcept { return cut_line_; }
   /// Frames of the log that are to be given, and those that have been.
   std::size_t frames() const noexcept { return frames_.size(); }
   std::size_t playedFrames() const noexcept { return next_frame_; }
-  /// Without the farewell.
+  /// Of all drives, and what else the loop sent; without the farewell.
   std::size_t recordedCommands() const noexcept { return commands_.size(); }
-  /// Sent commands so far that differ from the recorded ones in identifier, length or data.
+  /// Frames of the loop's so far that differ from the recorded ones in identifier, length or data.
   std::uint64_t commandMismatches() const noexcept { return command_mismatches_; }
   std::optional<std::size_t> firstMismatch() const noexcept { return first_mismatch_; }
 
@@ -63,9 +68,10 @@ class ReplayBus final : public Bus {
   std::size_t deliver(std::span<Frame> frames, std::size_t end, std::int64_t now_ns) noexcept;
   std::size_t tickEnd() const noexcept;
 
-  std::vector<Frame> frames_;  ///< all but commands
-  std::vector<Frame> commands_;
-  std::vector<std::size_t> tick_end_;  ///< for each command, number of frames before it
+  std::vector<Frame> frames_;          ///< all but commands
+  std::vector<Frame> commands_;        ///< and what else the loop sent
+  std::vector<std::size_t> closing_;   ///< of commands_, those that close a tick
+  std::vector<std::size_t> tick_end_;  ///< for each of them, number of frames before it
   std::size_t cut_line_ = 0;
   std::size_t next_frame_ = 0;
   std::size_t ticks_begun_ = 0;

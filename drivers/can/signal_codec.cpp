@@ -31,7 +31,9 @@ CompiledSignal::CompiledSignal(const Message& message, const Signal& signal)
                " bytes, expected at most 64");
   }
   if (signal.factor == 0.0)
-    refuse(message, signal, "has the factor 0");
+    refuse(message, signal,
+           "has the factor 0: what its bits mean is not stated, expected a factor in the DBC, or a range in "
+           "the bus map");
   field_ = BitField(signal.start_bit, signal.length, signal.byte_order);
 
   const bool declared = signal.minimum != 0.0 || signal.maximum != 0.0;

@@ -64,7 +64,7 @@ constexpr std::array kUnits = {
     NamedUnit{"s", {}},
     NamedUnit{"ms", {}},
     NamedUnit{"us", {}},
-    NamedUnit{"degC", {}},
+    NamedUnit{"degC", {Dimension::kTemperature, 1.0}},
     NamedUnit{"K", {}},
 };
 
@@ -97,7 +97,7 @@ std::string plain(std::string_view text) {
 }  // namespace
 
 std::string_view unitName(Dimension dimension) noexcept {
-  constexpr std::array<std::string_view, 7> kNames = {"rad", "rad/s", "rad/s²", "N·m", "mV", "", ""};
+  constexpr std::array<std::string_view, 8> kNames = {"rad", "rad/s", "rad/s²", "N·m", "mV", "°C", "", ""};
   return kNames[static_cast<std::size_t>(dimension)];
 }
 

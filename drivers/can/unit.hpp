@@ -8,9 +8,18 @@
 namespace patella::can {
 
 /// Quantity of a number. kNone is for flags and states; kOther for inputs without a unit in the loop.
-enum class Dimension : std::uint8_t { kAngle, kRate, kAcceleration, kTorque, kVoltage, kNone, kOther };
+enum class Dimension : std::uint8_t {
+  kAngle,
+  kRate,
+  kAcceleration,
+  kTorque,
+  kVoltage,
+  kTemperature,
+  kNone,
+  kOther
+};
 
-/// The loop's own unit: rad, rad/s, rad/s², N·m, mV; empty for kNone and kOther.
+/// The loop's own unit: rad, rad/s, rad/s², N·m, mV, °C; empty for kNone and kOther.
 std::string_view unitName(Dimension dimension) noexcept;
 
 struct Unit {

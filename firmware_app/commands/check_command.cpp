@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "drivers/can/binding_check.hpp"
+#include "drivers/can/bus_load.hpp"
 #include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
@@ -12,6 +13,24 @@ namespace {
 
 void line(bool ok, bool required, const std::string& name, const std::string& text) {
   fmt::print("  {:<9}{:<24}{}\n", ok ? "ok" : required ? "MISSING" : "advice", name, text);
+}
+
+/// Share of the bus from which on frames of low priority wait.
+constexpr double kBusyShare = 0.7;
+
+void tellBusLoad(const RunConfig& config) {
+  const can::BusLoad load =
+      can::busLoad(config.bus.database, config.bus.map, config.bus.commands, config.loop.rate_Hz);
+  constexpr double kUsualBitrate = 1e6;
+  const bool stated = config.can_bitrate > 0;
+  const double bitrate = stated ? config.can_bitrate : kUsualBitrate;
+  const double share = load.bits_per_s / bitrate;
+  line(share <= kBusyShare, false, "bus load",
+       fmt::format("{:.0f} frames a second, at most {:.0f} bits a period of {:.3g} ms: {:.0f} % of {}{:.3g} "
+                   "Mbit/s{}",
+                   load.frames_per_s, load.bits_per_s / config.loop.rate_Hz, 1e3 / config.loop.rate_Hz,
+                   100.0 * share, stated ? "" : "an assumed ", bitrate / 1e6,
+                   share > 1.0 ? ", which is more than it carries" : ""));
 }
 
 }  // namespace
@@ -37,9 +56,10 @@ bool checkRun(const RunConfig& config, bool require_rt) {
                    config.bus.database.messages.size(), decoder.messageCount()));
   const bool emg_assists = config.tick.gains.emg != 0.0;
   for (const std::string& remark :
-       can::bindingRemarks(config.bus.database, config.bus.map, {&config.bus.command, 1}, emg_assists)) {
+       can::bindingRemarks(config.bus.database, config.bus.map, config.bus.commands, emg_assists)) {
     line(false, false, "bus map", remark);
   }
+  tellBusLoad(config);
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
   const bool unsealed = config.weights && !config.weights_sealed;
   line(!unsealed, false, "weights",

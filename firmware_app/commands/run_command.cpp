@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 
@@ -64,6 +65,23 @@ struct BusBackend {
   std::string channel = "sim0";
 };
 
+can::ReplayOptions replayOptions(const can::CommandEncoder& encoder, std::size_t farewell_commands) {
+  can::ReplayOptions options;
+  options.farewell_commands = farewell_commands;
+  for (std::size_t drive = 0; drive < encoder.size(); ++drive) {
+    const can::DriveCommand& command = encoder.drive(drive);
+    options.command_id = command.layout().id();
+    options.command_extended = command.layout().extended();
+    options.also_sent.push_back(command.layout().blank());
+    for (const auto which :
+         {safety::DriveFrames::kEnter, safety::DriveFrames::kLeave, safety::DriveFrames::kClear}) {
+      const std::span<const can::Frame> frames = command.frames(which);
+      options.fixed_frames.insert(options.fixed_frames.end(), frames.begin(), frames.end());
+    }
+  }
+  return options;
+}
+
 BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, Clock& clock) {
   BusBackend backend;
   switch (config.backend.kind) {
@@ -77,9 +95,7 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
     case BackendKind::kReplay: {
       auto replay = std::make_unique<can::ReplayBus>(
           config.backend.target,
-          can::ReplayOptions{.command_id = encoder.id(),
-                             .command_extended = encoder.extended(),
-                             .farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames)});
+          replayOptions(encoder, static_cast<std::size_t>(config.loop.shutdown_frames)));
       if (replay->cutLine() != 0) {
         spdlog::warn("{}:{}: the log ends within this line; what stands before it is replayed",
                      config.backend.target, replay->cutLine());
@@ -155,6 +171,23 @@ std::string heading(const std::vector<InputFile>& files) {
         fmt::format("input={} file={} sha256={}\n", file.role, file.path.filename().string(), file.sha256);
   }
   return text;
+}
+
+// The same with the files themselves, for a recording that travels alone. The log of a replay stays where it
+// is: what was played is in the recording.
+formats::RunInputs mcapInputs(const std::vector<InputFile>& files) {
+  formats::RunInputs inputs;
+  inputs.hashes.name = "inputs";
+  for (const InputFile& file : files) {
+    const std::string name = file.path.filename().string();
+    inputs.hashes.values[file.role] = name + " sha256=" + file.sha256;
+    if (file.role != "log") {
+      inputs.files.push_back({.name = name,
+                              .media_type = formats::mediaType(name),
+                              .data = readFile(file.path, files::kWeightsFile)});
+    }
+  }
+  return inputs;
 }
 
 void warnOfWeights(const RunConfig& config) {
@@ -236,7 +269,9 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                      .joints = config.model.joints(),
                      .heading = heading(files),
                      .min_free_bytes = config.min_free_bytes,
-                     .lossless = config.clock == ClockKind::kVirtual});
+                     .lossless = config.clock == ClockKind::kVirtual,
+                     .mcap = config.record_mcap ? std::optional(mcapInputs(files)) : std::nullopt,
+                     .live = config.record_live});
   sim::DisturbedClock loop_clock(*clock, config.faults);
   sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
   const bool disturbed = !config.faults.empty();
@@ -289,6 +324,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (backend.replay != nullptr) {
     addReplay(summary, *backend.replay, config.backend.target);
   }
+  recorder.finish({.name = "summary", .values = {{"summary.json", summary.dump(2) + "\n"}}});
   return conclude(summary, folder, recorder) ? statusOf(config, account.statistics().final_state)
                                              : RunStatus::kRecordingFailed;
 }

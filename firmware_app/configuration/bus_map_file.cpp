@@ -37,6 +37,128 @@ can::Binding readBinding(const TomlTable& table, const char* name, bool with_mes
   return binding;
 }
 
+can::Binding readInput(const TomlTable& table) {
+  constexpr CountRange kSomeValues{1, 32};
+  can::Binding binding = readBinding(table, "name", true, kInput);
+  if (table.has("good")) {
+    binding.good = numbers(table, boundOf("input.good"), kSomeValues);
+  }
+  return binding;
+}
+
+int hexDigit(char c) {
+  if (c >= '0' && c <= '9') {
+    return c - '0';
+  }
+  const char low = static_cast<char>(c | 0x20);
+  return low >= 'a' && low <= 'f' ? low - 'a' + 10 : -1;
+}
+
+/// "FF 00 1c": bytes of two hexadecimal digits, with or without spaces between them.
+std::vector<std::uint8_t> readBytes(const TomlTable& table, const char* key) {
+  const std::string text = table.string(key, "");
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < text.size();) {
+    if (text[i] == ' ') {
+      ++i;
+      continue;
+    }
+    const int high = hexDigit(text[i]);
+    const int low = i + 1 < text.size() ? hexDigit(text[i + 1]) : -1;
+    if (high < 0 || low < 0) {
+      throw table.error(key,
+                        "value '" + text + "', expected bytes of two hexadecimal digits each, as 'FF 0C'");
+    }
+    bytes.push_back(static_cast<std::uint8_t>(16 * high + low));
+    i += 2;
+  }
+  return bytes;
+}
+
+std::vector<can::FixedFrame> readFrames(const TomlTable& table, const char* key) {
+  constexpr std::size_t kMostFrames = 8;
+  std::vector<can::FixedFrame> frames;
+  for (const TomlTable& frame : table.tables(key)) {
+    frames.push_back({frame.string("message", ""), readBytes(frame, "data"), frame.origin()});
+  }
+  if (frames.size() > kMostFrames) {
+    throw table.error(key, std::to_string(frames.size()) + " frames, expected at most " +
+                               std::to_string(kMostFrames) + ": they go out within one tick");
+  }
+  return frames;
+}
+
+can::CommandMap readCommand(const TomlTable& table) {
+  can::CommandMap command;
+  command.message = table.string("message");
+  command.origin = table.origin();
+  command.protection = {.message = command.message,
+                        .counter_signal = table.string("counter", ""),
+                        .crc_signal = table.string("crc", ""),
+                        .origin = command.origin};
+  for (const TomlTable& output : table.tables("output")) {
+    command.bindings.push_back(readBinding(output, "name", false, kOutput));
+  }
+  for (const TomlTable& constant : table.tables("constant")) {
+    command.constants.push_back(
+        {constant.string("signal"), number(constant, boundOf("command.constant.value")), constant.origin()});
+  }
+  command.enter = readFrames(table, "enter");
+  command.leave = readFrames(table, "leave");
+  command.clear = readFrames(table, "clear");
+  command.enter_period_s = number(table, boundOf("command.enter_period_s"), command.enter_period_s);
+  command.enter_timeout_s = number(table, boundOf("command.enter_timeout_s"), command.enter_timeout_s);
+  if (table.has("enter_time_s")) {
+    command.enter_time_s = number(table, boundOf("command.enter_time_s"));
+  }
+  return command;
+}
+
+/// What a raw value of a signal means that a motor's maker spreads over a range: no bits set is the minimum,
+/// all of them the maximum.
+struct SignalRange {
+  TomlTable table;
+  std::string message;
+  std::string signal;
+  double minimum;
+  double maximum;
+};
+
+SignalRange readRange(const TomlTable& table) {
+  SignalRange range{table, table.string("message"), table.string("signal"),
+                    number(table, boundOf("range.minimum")), number(table, boundOf("range.maximum"))};
+  if (!(range.minimum < range.maximum)) {
+    throw table.error("maximum", "value " + formatNumber(range.maximum) +
+                                     ", expected more than minimum, which is " + formatNumber(range.minimum));
+  }
+  return range;
+}
+
+void applyRange(const SignalRange& range, can::Database& database) {
+  const auto message =
+      std::find_if(database.messages.begin(), database.messages.end(),
+                   [&](const can::Message& candidate) { return candidate.name == range.message; });
+  if (message == database.messages.end()) {
+    throw range.table.error("message",
+                            "value '" + range.message + "', expected a message of " + database.source);
+  }
+  const auto signal =
+      std::find_if(message->signals.begin(), message->signals.end(),
+                   [&](const can::Signal& candidate) { return candidate.name == range.signal; });
+  constexpr int kMostBits = 32;
+  if (signal == message->signals.end() || signal->type != can::ValueType::kInteger || signal->is_signed ||
+      signal->length > kMostBits) {
+    throw range.table.error("signal",
+                            "value '" + range.signal + "', expected an unsigned signal of at most " +
+                                std::to_string(kMostBits) + " bits of message '" + range.message + "'");
+  }
+  signal->factor =
+      (range.maximum - range.minimum) / static_cast<double>((std::uint64_t{1} << signal->length) - 1);
+  signal->offset = range.minimum;
+  signal->minimum = range.minimum;
+  signal->maximum = range.maximum;
+}
+
 can::Protection readProtection(const TomlTable& table) {
   return {.message = table.string("message"),
           .counter_signal = table.string("counter", ""),
@@ -104,24 +226,29 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   readTiming(checks, rehearsal, bus.map);
   readPositions(checks, bus.map);
   for (const TomlTable& table : root.tables("input")) {
-    bus.map.bindings.push_back(readBinding(table, "name", true, kInput));
+    bus.map.bindings.push_back(readInput(table));
   }
   for (const TomlTable& table : root.tables("protection")) {
     bus.map.protections.push_back(readProtection(table));
   }
-  const TomlTable command = root.table("command");
-  bus.command.message = command.string("message");
-  bus.command.protection.message = bus.command.message;
-  bus.command.protection.counter_signal = command.string("counter", "");
-  bus.command.protection.crc_signal = command.string("crc", "");
-  bus.command.protection.origin = command.origin();
-  for (const TomlTable& table : command.tables("output")) {
-    bus.command.bindings.push_back(readBinding(table, "name", false, kOutput));
+  if (!root.has("command") || root.isTable("command")) {
+    bus.commands.push_back(readCommand(root.table("command")));
+  } else {
+    for (const TomlTable& table : root.tables("command")) {
+      bus.commands.push_back(readCommand(table));
+    }
+  }
+  std::vector<SignalRange> ranges;
+  for (const TomlTable& table : root.tables("range")) {
+    ranges.push_back(readRange(table));
   }
   document.finish();
   bus.database = can::loadDbc(bus.dbc_path);
+  for (const SignalRange& range : ranges) {
+    applyRange(range, bus.database);
+  }
   try {
-    can::checkBindings(bus.database, bus.map, {&bus.command, 1});
+    can::checkBindings(bus.database, bus.map, bus.commands);
   } catch (const std::invalid_argument& error) {
     throw FileError(error.what());
   }

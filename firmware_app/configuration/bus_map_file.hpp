@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
@@ -15,7 +16,7 @@ struct BusDescription {
   std::filesystem::path dbc_path;
   can::Database database;
   can::BusMap map;
-  can::CommandMap command;
+  std::vector<can::CommandMap> commands;  ///< one for each drive, or one for all of them
 };
 
 /// Reads the map and the DBC it names. Throws FileError naming file, line and key; a DBC's own errors carry

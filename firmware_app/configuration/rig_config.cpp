@@ -49,6 +49,36 @@ void readDrive(const TomlTable& table, std::size_t joints, sim::DriveOptions& op
       number(table, boundOf("rig.drive.report_noise_sd_Nm"), options.report_noise_sd_Nm);
 }
 
+sim::FieldDriveOptions readDriveModel(const TomlTable& table) {
+  constexpr std::int64_t kLastNode = 63;
+  sim::FieldDriveOptions options;
+  const bool mit = table.choice("kind", Names{"mit", "odrive"}) == "mit";
+  options.kind = mit ? sim::FieldDriveKind::kMit : sim::FieldDriveKind::kOdrive;
+  readInteger(table, boundOf("rig.drive_model.id"), options.id);
+  if (mit) {
+    readInteger(table, boundOf("rig.drive_model.master_id"), options.master_id);
+    options.position_range_rad =
+        number(table, boundOf("rig.drive_model.position_range_rad"), options.position_range_rad);
+    options.velocity_range_rad_s =
+        number(table, boundOf("rig.drive_model.velocity_range_rad_s"), options.velocity_range_rad_s);
+    options.torque_range_Nm =
+        number(table, boundOf("rig.drive_model.torque_range_Nm"), options.torque_range_Nm);
+  } else {
+    options.heartbeat_period_s =
+        number(table, boundOf("rig.drive_model.heartbeat_period_s"), options.heartbeat_period_s);
+    if (options.id > kLastNode) {
+      throw table.error("id", "value " + std::to_string(options.id) + ", expected a node, 0 to " +
+                                  std::to_string(kLastNode));
+    }
+  }
+  options.torque_limit_Nm =
+      number(table, boundOf("rig.drive_model.torque_limit_Nm"), options.torque_limit_Nm);
+  options.bandwidth_Hz = number(table, boundOf("rig.drive_model.bandwidth_Hz"), options.bandwidth_Hz);
+  options.watchdog_s = number(table, boundOf("rig.drive_model.watchdog_s"), options.watchdog_s);
+  options.enable_delay_s = number(table, boundOf("rig.drive_model.enable_delay_s"), options.enable_delay_s);
+  return options;
+}
+
 void readEmg(const TomlTable& table, sim::RigOptions& rig) {
   const std::string pattern =
       table.choice("pattern", Names{"none", "scheduled", "movement", "paper", "recording"}, "none");
@@ -114,6 +144,14 @@ void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::
   readInteraction(table.optionalTable("interaction"), rig.interaction);
   readEncoder(table.optionalTable("encoder"), rig.encoder);
   readDrive(table.optionalTable("drive"), joints, rig.drive);
+  for (const TomlTable& drive : table.tables("drive_model")) {
+    rig.field_drives.push_back(readDriveModel(drive));
+  }
+  if (!rig.field_drives.empty() && rig.field_drives.size() != joints) {
+    throw table.error("drive_model", std::to_string(rig.field_drives.size()) +
+                                         " tables, expected one for each of " + std::to_string(joints) +
+                                         " joints");
+  }
   readEmg(table.optionalTable("emg"), rig);
   const TomlTable buttons = table.optionalTable("operator");
   rig.operator_buttons.enable_at_s = number(buttons, boundOf("rig.operator.enable_at_s"), 0.0);

@@ -196,6 +196,9 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   readLoop(loop, config);
   readRealtime(root.optionalTable("realtime"), config);
   readGpio(root.optionalTable("gpio"), config);
+  const TomlTable recorder = root.optionalTable("recorder");
+  config.record_mcap = recorder.boolean("mcap", config.record_mcap);
+  config.record_live = recorder.boolean("live", config.record_live);
   const TomlTable bus = root.table("bus");
   const std::string backend = bus.string("backend", "sim");
   try {
@@ -263,7 +266,7 @@ can::MeasurementDecoder makeDecoder(const RunConfig& config) {
 
 can::CommandEncoder makeEncoder(const RunConfig& config) {
   return located(config.bus_map_path, [&] {
-    return can::CommandEncoder(config.bus.database, config.bus.command, config.model.joints());
+    return can::CommandEncoder(config.bus.database, config.bus.commands, config.model.joints());
   });
 }
 

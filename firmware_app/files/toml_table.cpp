@@ -172,6 +172,10 @@ bool TomlTable::has(std::string_view key) const {
   return present() && tableOf(node_).contains(key);
 }
 
+bool TomlTable::isTable(std::string_view key) const {
+  return has(key) && tableOf(node_)[key].is_table();
+}
+
 std::vector<std::string> TomlTable::keys() const {
   if (!present()) {
     return {};

@@ -51,6 +51,8 @@ class TomlTable {
  public:
   /// Present in the file; does not count as reading it.
   bool has(std::string_view key) const;
+  /// Present as a table, rather than as an array of tables, say; does not count as reading it.
+  bool isTable(std::string_view key) const;
   /// Keys of the table in the order of the file; does not count as reading them.
   std::vector<std::string> keys() const;
   /// False for an optional table that the file does not have.

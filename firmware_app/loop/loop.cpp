@@ -26,7 +26,8 @@ Loop::Loop(const LoopParts& parts)
       sink_(parts.sink),
       frames_(kFramesPerTick),
       lateness_(parts.options),
-      send_failures_(parts.options.send_failures_tolerated) {
+      send_failures_(parts.options.send_failures_tolerated),
+      entry_(parts.encoder.entries(), 1.0 / parts.options.rate_Hz) {
   stop_.torque_Nm = JointVector::Zero(tick_.joints());
   stop_.state = static_cast<std::uint8_t>(safety::State::kFault);
 }
@@ -61,7 +62,8 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   const std::int64_t woken_ns = clock_.now();
   drainBus(woken_ns);
   enter(probe_, Stage::kDecode);
-  const can::Reading reading = decoder_.finish(woken_ns);
+  can::Reading reading = decoder_.finish(woken_ns);
+  reading.faults = reading.faults | entry_.before(reading.measurement);
   enter(probe_, Stage::kLinesIn);
   const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
 
@@ -71,6 +73,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   input.complete = reading.complete;
   input.time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond);
   const tick::TickOutput& output = tick_.step(input);
+  entry_.after(output.state);
 
   const Command& sent = sendCommand(output.command, reading.measurement.encoder_monotonic_ns);
   heartbeat_ = !heartbeat_;
@@ -80,6 +83,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   const std::int64_t execution_ns = clock_.now() - woken_ns;
   sink_.tick({.tick = index_,
               .time_s = input.time_s,
+              .wall_ns = scheduled_ns + wall_offset_ns_,
               .missed_periods = missed,
               .wakeup_latency_ns = woken_ns - scheduled_ns,
               .execution_ns = execution_ns,
@@ -172,31 +176,70 @@ bool Loop::fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
 const Command& Loop::sendCommand(const Command& command,
                                  std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
   enter(probe_, Stage::kEncode);
+  sent_count_ = 0;
+  sent_wall_ns_ = 0;
   if (EmergencyExit::begun()) {
     return stop_;  // the handler of the signal that ends the process has the encoder, the bus and the line
   }
-  can::Frame frame = encoder_.encode(command);
+  encode(command);
   enter(probe_, Stage::kSend);
   if (EmergencyExit::begun()) {
     return stop_;
   }
   const bool allowed = !command.enable || fresh(measured_ns);
   if (!allowed) {
-    frame = encoder_.encode(stop_);
+    encode(stop_);
   }
-  const Command& sent = allowed ? command : stop_;
-  const bool gone = bus_.send(frame, clock_.now()) == can::SendResult::kSent;
+  const bool gone = sendAll();
   send_failures_.update(!gone, 1.0);
-  sent_wall_ns_ = gone ? frame.wall_ns : 0;
+  sent_wall_ns_ = gone && sent_count_ > 0 ? sent_[encoder_.size() - 1].wall_ns : 0;
   enter(probe_, Stage::kLinesOut);
-  // The enable line follows the command only when the drive could be told.
-  setLine(sent.enable && gone, measured_ns);
+  // The enable line follows the command only when every drive could be told.
+  setLine(allowed && command.enable && gone, measured_ns);
   enter(probe_, Stage::kRecord);
-  if (gone) {
-    sink_.frame(frame);
+  for (std::size_t i = 0; i < sent_count_; ++i) {
+    sink_.frame(sent_[i]);
   }
   enter(probe_, Stage::kLinesOut);
-  return sent;
+  return allowed && (gone || encoder_.size() == 1) ? command : stop_;
+}
+
+void Loop::encode(const Command& command) noexcept PATELLA_NONBLOCKING {
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    commands_[drive] = encoder_.encode(command, drive);
+  }
+}
+
+// One leg does not move on one drive: where one command is lost, the other drives get zero torque, those that
+// have this tick's command already included.
+bool Loop::sendAll() noexcept PATELLA_NONBLOCKING {
+  bool gone = true;
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    if (send(gone ? commands_[drive] : encoder_.encode(stop_, drive))) {
+      continue;
+    }
+    for (std::size_t told = 0; gone && told < drive; ++told) {
+      send(encoder_.encode(stop_, told));
+    }
+    gone = false;
+  }
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    for (const can::Frame& frame : encoder_.drive(drive).frames(entry_.frames(drive))) {
+      gone = send(frame) && gone;
+    }
+  }
+  return gone;
+}
+
+bool Loop::send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
+  if (EmergencyExit::begun() || sent_count_ == sent_.size()) {
+    return false;
+  }
+  can::Frame& stamped = sent_[sent_count_];
+  stamped = frame;
+  const bool gone = bus_.send(stamped, clock_.now()) == can::SendResult::kSent;
+  sent_count_ += gone ? 1U : 0U;
+  return gone;
 }
 
 // Raises the line once, and takes it down as often as it must be low: where the watchdog took it down, it
@@ -228,10 +271,19 @@ void Loop::shutDown() noexcept {
   stop.state = static_cast<std::uint8_t>(safety::State::kInit);
   // Not while a signal handler sends its own: the counters of the two would meet.
   for (int i = 0; i < options_.shutdown_frames && !EmergencyExit::begun(); ++i) {
-    can::Frame frame = encoder_.encode(stop);
+    encode(stop);
     clock_.sleepUntil(clock_.now() + period_ns_);
-    if (bus_.send(frame, clock_.now()) == can::SendResult::kSent) {
-      sink_.frame(frame);
+    sent_count_ = 0;
+    for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+      send(commands_[drive]);
+    }
+    for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+      for (const can::Frame& frame : encoder_.drive(drive).frames(safety::DriveFrames::kLeave)) {
+        send(frame);
+      }
+    }
+    for (std::size_t k = 0; k < sent_count_; ++k) {
+      sink_.frame(sent_[k]);
     }
   }
 }

@@ -1,11 +1,14 @@
 // The fixed-rate loop: wake, drain the bus, one tick of core, send, report. The same code on every backend.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "core/safety/drive_entry.hpp"
 #include "core/safety/fault.hpp"
 #include "core/tick/tick.hpp"
 #include "drivers/can/bus.hpp"
@@ -20,7 +23,7 @@
 
 namespace patella::app {
 
-/// What a loop is made of. All references must outlive it.
+/// Parts of a loop. All references must outlive it.
 struct LoopParts {
   LoopOptions options;
   Clock& clock;
@@ -50,12 +53,19 @@ class Loop {
   void run(const std::atomic<bool>& stop) noexcept;
 
  private:
+  /// Frames of a tick: a command for each drive, zero torque in its place, and those that it enters by.
+  static constexpr std::size_t kMostSent = std::size_t{10} * kMaxJoints;
+
   void tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
   safety::FaultSet hostFaults(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   safety::WarningSet hostWarnings() noexcept PATELLA_NONBLOCKING;
-  /// Sends it, or zero torque where it comes too late; returns what was sent.
+  /// Sends it to every drive, or zero torque where it comes too late or some drive cannot be told; returns
+  /// what was sent.
   const Command& sendCommand(const Command& command, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
+  void encode(const Command& command) noexcept PATELLA_NONBLOCKING;
+  bool sendAll() noexcept PATELLA_NONBLOCKING;
+  bool send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING;
   bool fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   void setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   std::optional<std::int64_t> sensorLatency_ns(const Measurement& measurement) const noexcept
@@ -80,9 +90,13 @@ class Loop {
   Lateness lateness_;
   safety::LeakyScore send_failures_;  ///< commands
   safety::FaultSet late_faults_;      ///< found after the tick was computed; the next one makes them latch
-  Command stop_;                      ///< what is sent in place of a command that comes too late
-  bool foreign_command_ = false;      ///< seen in this tick
-  bool line_up_ = false;              ///< as this loop set it
+  safety::DriveEntry entry_;
+  std::array<can::Frame, kMaxJoints> commands_;  ///< of this tick, one for each drive
+  std::array<can::Frame, kMostSent> sent_;       ///< in this tick, for the record
+  std::size_t sent_count_ = 0;
+  Command stop_;                  ///< what is sent in place of a command that comes too late
+  bool foreign_command_ = false;  ///< seen in this tick
+  bool line_up_ = false;          ///< as this loop set it
   std::int64_t sent_wall_ns_ = 0;
   std::int64_t wall_offset_ns_ = 0;
   bool wall_offset_known_ = false;

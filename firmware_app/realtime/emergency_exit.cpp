@@ -24,7 +24,7 @@ struct Means {
   can::Bus* bus = nullptr;
   can::CommandEncoder* encoder = nullptr;
   const Clock* clock = nullptr;
-  Command stop;
+  std::array<can::Frame, kMaxJoints> stop;  ///< zero torque for each drive, but for counter and CRC
 };
 
 Means g_means;                      // NOLINT: a signal handler has no other
@@ -35,8 +35,15 @@ void letGo() noexcept {
   for (int round = 0; round < kRounds; ++round) {
     g_means.pins->setDriveEnable(false);
     for (int i = 0; i < kFramesPerRound; ++i) {
-      can::Frame frame = g_means.encoder->encode(g_means.stop);
-      g_means.bus->send(frame, g_means.clock->now());
+      for (std::size_t drive = 0; drive < g_means.encoder->size(); ++drive) {
+        can::DriveCommand& command = g_means.encoder->drive(drive);
+        can::Frame frame = g_means.stop[drive];
+        command.seal(frame);
+        g_means.bus->send(frame, g_means.clock->now());
+        for (can::Frame leave : command.frames(safety::DriveFrames::kLeave)) {
+          g_means.bus->send(leave, g_means.clock->now());
+        }
+      }
     }
     if (round + 1 < kRounds) {
       poll(nullptr, 0, kBetweenRounds_ms);
@@ -67,8 +74,12 @@ EmergencyExit::EmergencyExit(gpio::Pins& pins, can::Bus& bus, can::CommandEncode
   }
   begun_.store(false, std::memory_order_relaxed);
   g_means = {&pins, &bus, &encoder, &clock, {}};
-  g_means.stop.torque_Nm = JointVector::Zero(joints);
-  g_means.stop.state = static_cast<std::uint8_t>(safety::State::kFault);
+  Command stop;
+  stop.torque_Nm = JointVector::Zero(joints);
+  stop.state = static_cast<std::uint8_t>(safety::State::kFault);
+  for (std::size_t drive = 0; drive < encoder.size(); ++drive) {
+    g_means.stop[drive] = encoder.drive(drive).encode(stop);
+  }
   g_armed.store(true);
   struct sigaction action {};
   action.sa_handler = &EmergencyExit::onSignal;

@@ -15,8 +15,9 @@
 namespace patella::app {
 
 /// While an object lives, each signal of kLetGo (signal_reactions.hpp), in whatever thread, takes the enable
-/// line down and sends commands of zero torque, twice and some milliseconds apart, and then ends the process
-/// by the signal's default action, whatever was to happen before. On the way only async-signal-safe system
+/// line down and sends every drive zero torque and the frames to leave by, twice and some milliseconds apart,
+/// and then ends the process by the signal's default action, whatever was to happen before. The frames are
+/// encoded beforehand; a counter and a CRC are put in last. On the way only async-signal-safe system
 /// calls are made (signal-safety(7)): the pins' and the bus's functions for the loop are nothing else. A
 /// thread whose stack may overflow needs a SignalStack.
 class EmergencyExit {

@@ -1,4 +1,4 @@
-// What a run of the loop comes to in plain numbers.
+// Statistics of a run of the loop.
 #pragma once
 
 #include <array>

@@ -23,6 +23,7 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   const tick::TickOutput& output = report.output;
   r.tick = report.tick;
   r.time_s = report.time_s;
+  r.wall_ns = report.wall_ns;
   r.missed_periods = report.missed_periods;
   r.wakeup_latency_ns = report.wakeup_latency_ns;
   r.execution_ns = report.execution_ns;
@@ -30,6 +31,8 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   r.q_rad = toArray(measurement.position_rad);
   r.dq_rad_s = toArray(output.velocity_rad_s);
   r.drive_torque_Nm = toArray(measurement.drive_torque_Nm);
+  r.drive_temperature_degC = measurement.drive_temperature_degC;
+  r.drive_error = measurement.drive_error;
   r.emg_mV = measurement.emg_mV;
   r.activation = output.activation;
   r.reference_rad = toArray(output.reference.q);

@@ -162,8 +162,8 @@ Json realtimeJson(const RealtimeReport& report) {
   return out;
 }
 
-// Errors of everybody who estimates, where a simulated rig tells the truth, and how the network's compares with
-// the smaller of the observer's two.
+// Errors of everybody who estimates, where a simulated rig tells the truth, and how the network's compares
+// with the smaller of the observer's two.
 void estimation(const RunConfig& config, const LoopStatistics& loop, Json& out) {
   const int joints = config.model.joints();
   if (loop.sampler_error.count == 0) {
@@ -362,9 +362,9 @@ std::string summaryText(const Json& s) {
     for (const auto& [name, shown] : kEstimates) {
       if (s["estimation_error"].contains(name)) {
         const Json& error = s["estimation_error"][name];
-        text += fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n", shown,
-                            perJoint(error["mean_rad_s2"], "{:.4f}"),
-                            perJoint(error["max_rad_s2"], "{:.4f}"));
+        text +=
+            fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n", shown,
+                        perJoint(error["mean_rad_s2"], "{:.4f}"), perJoint(error["max_rad_s2"], "{:.4f}"));
       }
     }
   }

@@ -47,6 +47,12 @@ std::vector<TickColumn> tickColumns(int joints) {
   for (int i = 0; i < kMaxEmgChannels; ++i) {
     c.push_back({"activation" + std::to_string(i + 1), [](const R& r, int k) { return r.activation[k]; }, i});
   }
+  perJoint(c, joints, "drive_temperature", "degC",
+           [](const R& r, int i) { return r.drive_temperature_degC[i]; });
+  for (int i = 0; i < joints; ++i) {
+    c.push_back(
+        {"drive_error" + std::to_string(i + 1), [](const R& r, int k) { return r.drive_error[k]; }, i});
+  }
   single(c, "state", [](const R& r, int) { return static_cast<double>(r.state); });
   single(c, "faults", [](const R& r, int) { return static_cast<double>(r.faults); });
   single(c, "limits", [](const R& r, int) { return static_cast<double>(r.limits); });

@@ -7,7 +7,9 @@
 #include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/wording.hpp"
+#include "firmware_app/formats/mcap_reader.hpp"
 #include "tools/recordings/held_torque.hpp"
+#include "tools/recordings/mcap_table.hpp"
 #include "tools/recordings/number_table.hpp"
 #include "tools/signals/signals.hpp"
 
@@ -20,6 +22,9 @@ using app::FileError;
 constexpr const char* kStepsColumn = "encoder_steps";
 
 std::string firstLine(const std::filesystem::path& file) {
+  if (formats::isMcap(file)) {
+    return mcapColumns(file);
+  }
   constexpr std::size_t kLongestLine = 1'000'000;
   try {
     std::string line;
@@ -52,7 +57,8 @@ class NamedColumns {
   }
   void want(const std::string& column) { wanted_.push_back(column); }
   CsvTable read() const {
-    return CsvTable::load(file_, {.columns = wanted_, .allow_missing = true, .allow_cut_off = true});
+    const app::CsvOptions options{.columns = wanted_, .allow_missing = true, .allow_cut_off = true};
+    return formats::isMcap(file_) ? loadMcapTable(file_, options) : CsvTable::load(file_, options);
   }
 
  private:

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "drivers/can/candump_log.hpp"
+#include "drivers/can/command_encoder.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "firmware_app/files/file_error.hpp"
 #include "tools/recordings/held_torque.hpp"
@@ -21,33 +22,41 @@ namespace {
 class CommandReader {
  public:
   CommandReader(const app::BusDescription& bus, int joints)
-      : decoder_(bus.database.message(bus.command.message), bus.command.protection) {
-    for (int joint = 0; joint < joints; ++joint) {
-      const std::string name = "torque_Nm." + std::to_string(joint + 1);
-      const auto& bindings = bus.command.bindings;
-      const auto found = std::find_if(bindings.begin(), bindings.end(),
-                                      [&](const can::Binding& binding) { return binding.input == name; });
-      if (found == bindings.end()) {
-        throw std::invalid_argument("output '" + name + "' is not bound, expected one for each joint");
+      : torque_Nm_(JointVector::Zero(joints)), encoder_(bus.database, bus.commands, joints) {
+    for (const can::CommandMap& map : bus.commands) {
+      Drive& drive =
+          drives_.emplace_back(can::MessageDecoder(bus.database.message(map.message), map.protection));
+      for (int joint = 0; joint < joints; ++joint) {
+        const std::string name = "torque_Nm." + std::to_string(joint + 1);
+        for (const can::Binding& binding : map.bindings) {
+          if (binding.input == name) {
+            drive.slots.push_back({joint, drive.decoder.slot(binding.signal), binding.scale, binding.offset});
+          }
+        }
       }
-      slots_.push_back({decoder_.slot(found->signal), found->scale, found->offset});
     }
   }
 
-  bool matches(const can::Frame& frame) const noexcept { return decoder_.matches(frame); }
+  bool matches(const can::Frame& frame) const noexcept { return encoder_.commands(frame); }
 
-  /// Appends the torque of a frame that is not damaged.
+  /// Appends the torque of a frame that is not damaged; where each drive has its own, once the last has it.
   void accept(const can::Frame& frame) {
-    const can::FrameStatus status = decoder_.check(frame).status;
-    if (status == can::FrameStatus::kCorrupt || status == can::FrameStatus::kTooShort) {
-      return;
+    for (std::size_t i = 0; i < drives_.size(); ++i) {
+      Drive& drive = drives_[i];
+      if (!drive.decoder.matches(frame) || entersOrLeaves(i, frame)) {
+        continue;
+      }
+      const can::FrameStatus status = drive.decoder.check(frame).status;
+      if (status == can::FrameStatus::kCorrupt || status == can::FrameStatus::kTooShort) {
+        continue;
+      }
+      for (const Slot& slot : drive.slots) {
+        torque_Nm_[slot.joint] = slot.scale * drive.decoder.value(frame, slot.slot) + slot.offset;
+      }
+      if (i + 1 == drives_.size()) {
+        commands.push_back({frame.wall_ns, torque_Nm_});
+      }
     }
-    JointVector torque(static_cast<Eigen::Index>(slots_.size()));
-    for (std::size_t j = 0; j < slots_.size(); ++j) {
-      torque[static_cast<Eigen::Index>(j)] =
-          slots_[j].scale * decoder_.value(frame, slots_[j].slot) + slots_[j].offset;
-    }
-    commands.push_back({frame.wall_ns, torque});
   }
 
   struct Command {
@@ -58,12 +67,32 @@ class CommandReader {
 
  private:
   struct Slot {
+    Eigen::Index joint;
     std::size_t slot;
     double scale;
     double offset;
   };
-  can::MessageDecoder decoder_;
-  std::vector<Slot> slots_;
+  struct Drive {
+    explicit Drive(can::MessageDecoder message_decoder) : decoder(std::move(message_decoder)) {}
+    can::MessageDecoder decoder;
+    std::vector<Slot> slots;
+  };
+
+  bool entersOrLeaves(std::size_t drive, const can::Frame& frame) const {
+    for (const auto which :
+         {safety::DriveFrames::kEnter, safety::DriveFrames::kLeave, safety::DriveFrames::kClear}) {
+      for (const can::Frame& fixed : encoder_.drive(drive).frames(which)) {
+        if (fixed.id == frame.id && fixed.length == frame.length && fixed.data == frame.data) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  JointVector torque_Nm_;
+  can::CommandEncoder encoder_;
+  std::vector<Drive> drives_;
 };
 
 std::set<std::string> positionMessages(const can::BusMap& map) {

@@ -24,7 +24,7 @@ struct RecordingOptions {
 };
 
 /// Reads one of
-///   a folder that `patella run` has left (its ticks.csv), or that table by itself,
+///   a folder that `patella run` has left (its ticks.csv), or that table by itself, or its run.mcap,
 ///   a CSV with columns t_s, q<joint>_rad, tau<joint>_Nm and, where there are any, tau_cmd<joint>_Nm,
 ///     emg<channel>_mV or activation<channel>, or any text or MATLAB file by a map,
 ///   a log as `candump -l` writes it, by a bus description.

@@ -197,7 +197,8 @@ void addUnknownCurves(const Curves& curves, int joint, Figure& figure, std::size
   }
 }
 
-/// Errors of the observer and of the network where the run has a network and knows the truth, with their means.
+/// Errors of the observer and of the network where the run has a network and knows the truth, with their
+/// means.
 void addErrors(const Curves& curves, int joint, std::vector<Figure>& figures) {
   const std::string truth = column("f_true", joint, "_rad_s2");
   if (!curves.has(truth) || !curves.alive(column("f_network", joint, "_rad_s2"))) {
@@ -208,7 +209,9 @@ void addErrors(const Curves& curves, int joint, std::vector<Figure>& figures) {
   figure.title = "Error of f_u, " + jointName(joint);
   figure.y_label = "rad/s²";
   const std::pair<const char*, std::pair<const char*, const char*>> kEstimates[] = {
-      {"f_s", {"sampler", kSky}}, {"f_s_filtered", {"sampler, filtered", kBlue}}, {"f_network", {"network", kRed}}};
+      {"f_s", {"sampler", kSky}},
+      {"f_s_filtered", {"sampler, filtered", kBlue}},
+      {"f_network", {"network", kRed}}};
   for (const auto& [stem, style] : kEstimates) {
     if (const std::string name = column(stem, joint, "_rad_s2"); curves.has(name)) {
       curves.addDifference(figure, name, truth, line(style.first, style.second));

@@ -46,8 +46,9 @@ void declareTask(CLI::App& app, Arguments& a) {
          "what the network says; a correction is added to the observer. Unless given: acceleration for "
          "features paper, torque_correction otherwise")
       ->check(CLI::IsMember(std::vector<std::string>(kOutputs.begin(), kOutputs.end())));
-  app.add_option("--target", a.target,
-                 "what is taken for the truth: the observer's f_s raw, filtered or smoothed offline; truth: f_u as a "
+  app.add_option(
+         "--target", a.target,
+         "what is taken for the truth: the observer's f_s raw, filtered or smoothed offline; truth: f_u as a "
          "simulated rig published it")
       ->check(CLI::IsMember(targetNames()))
       ->capture_default_str();

@@ -203,9 +203,7 @@ TEST_CASE("one good report in twenty, or in three, hides nothing that the drives
   int found = -1;
   for (int k = 0; k < 1000 && found < 0; ++k) {
     Measurement report;
-    report.has_drive_enabled = true;
-    report.drive_was_enabled = k % 20 != 19;
-    report.drive_was_disabled = !report.drive_was_enabled;
+    report.drive_enabled[0] = {true, k % 20 != 19, k % 20 == 19};
     found = monitor.update(report).has(Fault::kDriveNotFollowing) ? k : -1;
     monitor.commanded({.torque_Nm = pair(0.0, 0.0), .enable = false});
   }

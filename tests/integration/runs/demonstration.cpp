@@ -69,7 +69,7 @@ app::LoopStatistics runInLockStep(const app::RunConfig& config, bool allocating)
   AllocatingBus allocating_bus(bus);
   gpio::SimulatedPins pins;
   can::MeasurementDecoder decoder(config.bus.database, config.bus.map, config.model.joints());
-  can::CommandEncoder encoder(config.bus.database, config.bus.command, config.model.joints());
+  can::CommandEncoder encoder(config.bus.database, config.bus.commands, config.model.joints());
   app::RunAccount account({.warmup_ticks = config.warmup_ticks});
   app::Loop loop({.options = config.loop,
                   .clock = clock,

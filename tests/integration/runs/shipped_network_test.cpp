@@ -37,7 +37,8 @@ TEST_CASE("the default configuration has a sealed network of at most 2 MB, with 
   CHECK(app::readFile(card.replace_extension(".md")).find("# ") == 0);
 }
 
-TEST_CASE("it errs less than the observer on patients it was not trained on, with nothing taken from the heap") {
+TEST_CASE(
+    "it errs less than the observer on patients it was not trained on, with nothing taken from the heap") {
   for (const std::uint64_t seed : {71U, 72U, 73U}) {
     CAPTURE(seed);
     app::RunConfig config = test::demonstration(5.0);
@@ -87,8 +88,9 @@ TEST_CASE("a log of a run with the network, played back, gives the network's est
       test::demonstration(0.0, "replay:" + (folder.path() / "live" / "frames.log").string());
   REQUIRE(app::runLoop(replay, folder.path() / "again", stop) == app::RunStatus::kOk);
   const auto load = [&](const char* run) {
-    return app::CsvTable::load(folder.path() / run / "ticks.csv",
-                               {.columns = {"f_network1_rad_s2", "f_network2_rad_s2"}, .allow_missing = true});
+    return app::CsvTable::load(
+        folder.path() / run / "ticks.csv",
+        {.columns = {"f_network1_rad_s2", "f_network2_rad_s2"}, .allow_missing = true});
   };
   const app::CsvTable live = load("live");
   const app::CsvTable again = load("again");

@@ -97,8 +97,9 @@ TEST_CASE("only inputs of status share a signal, and each of them says so") {
     CAPTURE(name);
     BusMap other = rigMap();
     bindingOf(other.bindings, name).shared = true;
-    CHECK(refusal(other) == "input '" + std::string(name) +
-                                "': says 'shared', expected that of drive_enabled and drive_fault only");
+    CHECK(refusal(other) ==
+          "input '" + std::string(name) +
+              "': says 'shared', expected that of drive_enabled, drive_fault and drive_error only");
   }
 }
 

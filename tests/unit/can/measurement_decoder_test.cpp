@@ -28,8 +28,8 @@ TEST_CASE("all inputs arrive in SI units, and the reading is complete once each 
   CHECK(m.emg_mV[1] == doctest::Approx(-0.6));
   CHECK(m.has_velocity);
   CHECK(m.has_drive_torque);
-  CHECK(m.drive_was_enabled);
-  CHECK_FALSE(m.drive_was_disabled);
+  CHECK(m.drive_enabled[0].was_enabled);
+  CHECK_FALSE(m.drive_enabled[0].was_disabled);
   CHECK(m.operator_enable);
   CHECK(m.operator_reset);
   CHECK_FALSE(m.has_truth);
@@ -65,14 +65,14 @@ TEST_CASE("a wrong report of the drives is one, though a right one follows withi
   CHECK(reading.measurement.drive_torque_Nm[0] == doctest::Approx(-3.0));
   CHECK(reading.measurement.lowest_drive_torque_Nm[0] == doctest::Approx(-250.0));
   CHECK(reading.measurement.highest_drive_torque_Nm[0] == doctest::Approx(260.0));
-  CHECK(reading.measurement.drive_was_enabled);
-  CHECK(reading.measurement.drive_was_disabled);
+  CHECK(reading.measurement.drive_enabled[0].was_enabled);
+  CHECK(reading.measurement.drive_enabled[0].was_disabled);
   CHECK(reading.faults.has(Fault::kDriveFault));
 
   reading = f.decoder.finish(kMillisecond);  // nothing new: what was said last
   CHECK(reading.measurement.lowest_drive_torque_Nm[0] == doctest::Approx(-3.0));
   CHECK(reading.measurement.highest_drive_torque_Nm[0] == doctest::Approx(-3.0));
-  CHECK_FALSE(reading.measurement.drive_was_enabled);
-  CHECK(reading.measurement.drive_was_disabled);
+  CHECK_FALSE(reading.measurement.drive_enabled[0].was_enabled);
+  CHECK(reading.measurement.drive_enabled[0].was_disabled);
   CHECK_FALSE(reading.faults.has(Fault::kDriveFault));
 }

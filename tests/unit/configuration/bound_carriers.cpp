@@ -177,6 +177,21 @@ torque_limit_Nm = [150, 150]
 bandwidth_Hz = 0
 watchdog_s = 0.02
 report_noise_sd_Nm = 0
+[[rig.drive_model]]
+kind = "mit"
+id = 1
+master_id = 0
+position_range_rad = 12.5
+velocity_range_rad_s = 45
+torque_range_Nm = 18
+torque_limit_Nm = 18
+bandwidth_Hz = 0
+watchdog_s = 0.02
+enable_delay_s = 0.05
+[[rig.drive_model]]
+kind = "odrive"
+id = 2
+heartbeat_period_s = 0.01
 [rig.emg]
 pattern = "scheduled"
 period_s = 2
@@ -198,7 +213,8 @@ Carrier run(const std::string& estimation, const std::string& motions) {
 
 Carrier busMap() {
   return {FileKind::kBusMap, "dbc = \"" + kSource + "/drivers/can/patella.dbc\"\n" + R"(
-input = [ { name = "position_rad.1", message = "Encoder1", signal = "Position", scale = 1.0, offset = 0.0, scale_reason = "a gear" } ]
+input = [ { name = "position_rad.1", message = "Encoder1", signal = "Position", scale = 1.0, offset = 0.0, scale_reason = "a gear" },
+  { name = "drive_enabled.1", message = "DriveStatus", signal = "Enabled", good = [1.0] } ]
 [command]
 message = "TorqueCommand"
 output = [ { name = "torque_Nm.1", signal = "Torque1", scale = 1.0, offset = 0.0, scale_reason = "a gear" } ]
@@ -213,6 +229,28 @@ position_min_rad = -6.3
 position_max_rad = 6.3
 position_jump_rad = 0.1
 tolerated_bad_frames = 3
+)"};
+}
+
+Carrier drivesMap() {
+  return {FileKind::kBusMap, "dbc = \"" + kSource + "/drivers/can/patella.dbc\"\n" + R"(
+input = [ { name = "position_rad.1", message = "Encoder1", signal = "Position" } ]
+[[command]]
+message = "TorqueCommand"
+output = [ { name = "torque_Nm.1", signal = "Torque1" } ]
+enter = [ { data = "00 00 00 00 00 00 00 01" } ]
+leave = [ { data = "0000000000000002" } ]
+enter_period_s = 0.01
+enter_timeout_s = 0.5
+enter_time_s = 0.1
+[[command]]
+message = "Truth"
+constant = [ { signal = "Fu1", value = 0.0 } ]
+[[range]]
+message = "Operator"
+signal = "Counter"
+minimum = -1
+maximum = 7
 )"};
 }
 
@@ -253,7 +291,8 @@ void loadWeights(const std::string& text, const std::filesystem::path& folder) {
 
 const std::vector<Carrier>& carriers() {
   static const std::vector<Carrier> all = [] {
-    std::vector<Carrier> made = {run(kSampler, kSinusoidAndMove), run(kSampler, kHold), busMap()};
+    std::vector<Carrier> made = {run(kSampler, kSinusoidAndMove), run(kSampler, kHold), busMap(),
+                                 drivesMap()};
     for (const std::string& observer : kOtherObservers) {
       made.push_back(run(observer, kHold));
     }

@@ -164,6 +164,8 @@ const std::multimap<std::string_view, std::pair<double, std::string>> kRelated =
     {"checks.encoder_period_s", {5e-5, "120 rad/s"}},
     {"checks.position_min_rad", {4.0 * std::numbers::pi, "less than position_max_rad"}},
     {"checks.position_max_rad", {-4.0 * std::numbers::pi, "less than position_max_rad"}},
+    {"range.minimum", {1e6, "more than minimum"}},
+    {"range.maximum", {-1e6, "more than minimum"}},
     {"estimation.velocity_cutoff_Hz", {5000, "half of the encoder's rate"}},
     {"estimation.estimate_cutoff_Hz", {5000, "half of the encoder's rate"}},
     {"estimation.bandwidth_Hz", {5000, "half of the encoder's rate"}},

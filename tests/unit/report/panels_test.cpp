@@ -27,7 +27,8 @@ const Figure* find(const std::vector<Figure>& figures, const std::string& title)
 
 TEST_CASE("where the truth is known the network's error stands beside the sampler's, with its mean") {
   const std::string csv =
-      "t_s,f_true1_rad_s2,f_s1_rad_s2,f_s_filtered1_rad_s2,f_network1_rad_s2\n0,1,3,0,\n1,1,-1,0,1.5\n2,1,3,0,0.5\n";
+      "t_s,f_true1_rad_s2,f_s1_rad_s2,f_s_filtered1_rad_s2,f_network1_rad_s2\n0,1,3,0,\n1,1,-1,0,1.5\n2,1,3,"
+      "0,0.5\n";
   const auto figures = panelsOf(csv);
   const Figure* errors = find(figures, "Error of f_u, joint 1");
   REQUIRE(errors != nullptr);

@@ -19,7 +19,8 @@ class DrivePair {
   explicit DrivePair(const DriveMonitorSettings& settings = {})
       : monitor_(2, settings, legLimits(), kTick_s) {
     report.has_drive_torque = true;
-    report.has_drive_enabled = true;
+    for (EnabledReport& joint : report.drive_enabled)
+      joint.bound = true;
     report.reportDriveTorque(pair(0.0, 0.0));
     reportEnabled(false);
     command.torque_Nm = pair(0.0, 0.0);
@@ -30,8 +31,10 @@ class DrivePair {
     report.reportDriveTorque(all);
   }
   void reportEnabled(bool enabled) {
-    report.drive_was_enabled = enabled;
-    report.drive_was_disabled = !enabled;
+    for (EnabledReport& joint : report.drive_enabled) {
+      joint.was_enabled = enabled;
+      joint.was_disabled = !enabled;
+    }
   }
   /// One tick: judges the report, then takes the command.
   FaultSet step(double torque_Nm, bool enable = true) {
@@ -102,7 +105,8 @@ TEST_CASE("torque without a command, and a drive that stays enabled or disabled 
   }
   SUBCASE("not bound, not asked") {
     DrivePair drive;
-    drive.report.has_drive_enabled = false;
+    for (EnabledReport& joint : drive.report.drive_enabled)
+      joint.bound = false;
     drive.report.has_drive_torque = false;
     drive.reportTorque(0, 500.0);
     CHECK(drive.until(Fault::kDriveNotFollowing, 0.0, true) == -1);

@@ -5,7 +5,7 @@
 
 namespace patella::bench {
 FrameLatency::FrameLatency(const app::BusDescription& bus)
-    : command_(bus.database.message(bus.command.message).id) {
+    : command_(bus.database.message(bus.commands.back().message).id) {
   for (const can::Binding& binding : bus.map.bindings) {
     if (binding.input.starts_with("position_rad.")) {
       sensors_.push_back(bus.database.message(binding.message).id);

@@ -1,0 +1,74 @@
+// The demonstration's leg on two drives as they are sold, with a hand on the bus between them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/loop/loop.hpp"
+#include "firmware_app/recorder/run_account.hpp"
+#include "sim/simulated_bus.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace patella::test {
+
+enum class Drives { kBuiltIn, kMit, kOdrive, kMixed };
+
+inline constexpr double kEnableAt_s = 0.5;
+
+/// The demonstration with these drives, each joint with its own, in virtual time. Mixed: joint 1 in MIT mode,
+/// joint 2 on an ODrive. Files are left in `folder`.
+app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder);
+
+/// Sends through to the rig, but for frames that the test keeps back; notes down what the loop sent.
+class WatchedBus final : public can::Bus {
+ public:
+  WatchedBus(sim::Rig& rig, const Clock& clock) : bus_(rig, clock) {}
+  std::size_t receive(std::span<can::Frame> frames,
+                      std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
+    ++tick;
+    return bus_.receive(frames, now_ns);
+  }
+  can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
+    const bool kept = keep_back && keep_back(frame);
+    if (!kept) {
+      note(frame);
+    }
+    return kept ? can::SendResult::kQueueFull : bus_.send(frame, now_ns);
+  }
+  bool down() const noexcept override { return bus_.down(); }
+  can::BusStatistics statistics() const noexcept override { return bus_.statistics(); }
+
+  std::function<bool(const can::Frame&)> keep_back;
+  /// Frames that went out in the tick `watched_tick`.
+  std::vector<can::Frame> seen;
+  int watched_tick = -1;
+  int tick = -1;
+
+ private:
+  void note(const can::Frame& frame) noexcept {
+    if (tick == watched_tick && seen.size() < seen.capacity()) {
+      seen.push_back(frame);
+    }
+  }
+  sim::SimulatedBus bus_;
+};
+
+/// What a run left behind.
+struct DriveRun {
+  app::LoopStatistics loop;
+  can::BusStatistics bus;
+  sim::RigStatistics rig;
+  std::uint64_t unused_frames = 0;  ///< of the drives: refused for whatever reason, or late
+  std::vector<std::uint64_t> commands;
+  std::vector<bool> enabled;
+  std::vector<can::Frame> seen;  ///< as WatchedBus has it
+  bool line_up = false;
+  double tracking_rad(std::size_t joint) const;
+};
+
+/// `prepare` is called before the run.
+DriveRun runDrives(const app::RunConfig& config, const std::function<void(WatchedBus&)>& prepare = {});
+
+}  // namespace patella::test

@@ -1,0 +1,108 @@
+// A process that dies leaves no drive with torque: each gets its zero frame and is told to leave.
+#include <array>
+#include <csignal>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "drivers/clock/clock.hpp"
+#include "drivers/gpio/pins.hpp"
+#include "firmware_app/realtime/emergency_exit.hpp"
+#include "tests/integration/drives/drive_rig.hpp"
+#include "tests/support/fresh_signals.hpp"
+
+using namespace patella;
+using namespace patella::test;
+
+namespace {
+
+/// Frames that a process leaves behind are read from a pipe.
+class PipeBus final : public can::Bus {
+ public:
+  explicit PipeBus(int pipe) noexcept : pipe_(pipe) {}
+  std::size_t receive(std::span<can::Frame>, std::int64_t) noexcept PATELLA_NONBLOCKING override { return 0; }
+  can::SendResult send(can::Frame& frame, std::int64_t) noexcept PATELLA_NONBLOCKING override {
+    return write(pipe_, &frame, sizeof(frame)) == static_cast<ssize_t>(sizeof(frame))
+               ? can::SendResult::kSent
+               : can::SendResult::kDown;
+  }
+  bool down() const noexcept override { return false; }
+  can::BusStatistics statistics() const noexcept override { return {}; }
+
+ private:
+  int pipe_;
+};
+
+std::vector<can::Frame> lastFrames(Drives drives, int signal) {
+  const ScratchFolder folder;
+  const app::RunConfig config = driveConfiguration(drives, 1.0, folder);
+  std::array<int, 2> ends{};
+  REQUIRE(pipe(ends.data()) == 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    useFreshSignals(app::kSignalCount);
+    PipeBus bus(ends[1]);
+    can::CommandEncoder encoder = app::makeEncoder(config);
+    gpio::SimulatedPins pins;
+    const MonotonicClock clock;
+    const app::EmergencyExit exit(pins, bus, encoder, clock, 2);
+    raise(signal);
+    _exit(0);
+  }
+  close(ends[1]);
+  std::vector<can::Frame> frames;
+  can::Frame frame;
+  while (read(ends[0], &frame, sizeof(frame)) == static_cast<ssize_t>(sizeof(frame))) {
+    frames.push_back(frame);
+  }
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  CHECK(WIFSIGNALED(status));
+  CHECK(WTERMSIG(status) == signal);
+  return frames;
+}
+
+struct Expected {
+  std::uint32_t id;
+  std::vector<std::uint8_t> data;
+};
+
+void checkRounds(const std::vector<can::Frame>& frames, const std::vector<Expected>& round) {
+  REQUIRE(frames.size() == 6 * round.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Expected& expected = round[i % round.size()];
+    CAPTURE(i);
+    CHECK(frames[i].id == expected.id);
+    REQUIRE(frames[i].length == expected.data.size());
+    CHECK(std::equal(expected.data.begin(), expected.data.end(), frames[i].data.begin()));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("whoever dies of a fault of its own sends every drive zero torque and the frame to leave by") {
+  const std::vector<std::uint8_t> zero = {0x80, 0x00, 0x80, 0x00, 0x00, 0x00, 0x08, 0x00};
+  const std::vector<std::uint8_t> leave = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFD};
+  for (const int signal : {SIGSEGV, SIGABRT, SIGBUS}) {
+    CAPTURE(signal);
+    checkRounds(lastFrames(Drives::kMit, signal), {{1, zero}, {1, leave}, {2, zero}, {2, leave}});
+    checkRounds(lastFrames(Drives::kOdrive, signal),
+                {{0x2E, {0, 0, 0, 0}}, {0x27, {1, 0, 0, 0}}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
+    checkRounds(lastFrames(Drives::kMixed, signal),
+                {{1, zero}, {1, leave}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
+  }
+}
+
+TEST_CASE("a run that is asked to end, as SIGTERM does, disables both drives before it returns") {
+  for (const Drives drives : {Drives::kMit, Drives::kOdrive}) {
+    const ScratchFolder folder;
+    const DriveRun run = runDrives(driveConfiguration(drives, 1.2, folder));
+    CHECK(run.loop.final_state == safety::State::kActive);
+    CHECK_FALSE(run.enabled[0]);
+    CHECK_FALSE(run.enabled[1]);
+    CHECK(run.rig.watchdog_trips == 0);
+  }
+}
