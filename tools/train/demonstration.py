@@ -2,7 +2,7 @@
 """Trains the network of the demonstration: draws rigs, patients and motions, records the loop on them in virtual time,
 fits and seals the network, and scores it in the loop, on drawn rigs that it was not trained on and on the demonstration.
 
-  tools/train/demonstration.py --out DIR [--seed 1] [--bin build/release] [--no-attention]
+  tools/train/demonstration.py --out DIR [--seed 1] [--bin build/release] [--without attention|recurrence]
   tools/train/demonstration.py --out DIR --weights FILE        only the scores, of weights that there are
 
 Leaves demonstration.safetensors and demonstration.md, its card, in DIR. The same seed gives the same recordings and, on
@@ -25,6 +25,8 @@ CONFIG = ROOT / "firmware_app/config"
 BASE = "adult.toml"
 RECORDINGS = {"training": 60, "validation": 12, "test": 12}
 DURATION_S = 12
+# A window of one step is no attention. Without recurrence the linear path is left, since the rest learns nothing.
+WITHOUT = {"attention": {"window": 1}, "recurrence": {"window": 1, "hidden": 4, "epochs": 1, "learning-rate": 1e-9}}
 STOPPED = 3  # exit status of a run that ended in a latched stop
 DEMONSTRATION_SEEDS = (1, 2, 3)
 DENSITIES = (10, 30, 100, 300, 1000)  # of the Kalman filter that the network is held against
@@ -259,7 +261,7 @@ def score(arguments, config, data, weights):
 
 
 def card(arguments, weights, scores):
-    template = (pathlib.Path(__file__).with_name("demonstration_card.md")).read_text()
+    template = (pathlib.Path(__file__).with_name("demonstration_card.md.in")).read_text()
     values = {"seed": arguments.seed, "size": weights.stat().st_size, "sha256": hashlib.sha256(weights.read_bytes()).hexdigest(),
               "training": RECORDINGS["training"], "validation": RECORDINGS["validation"], "test": RECORDINGS["test"],
               "duration": DURATION_S, "features": ", ".join(f"`{name}`" for name in FEATURES),
@@ -282,7 +284,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for recordings and results; must not exist")
     parser.add_argument("--seed", type=int, default=1, help="of all that is drawn")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
-    parser.add_argument("--no-attention", action="store_true", help="the same without attention, to tell what it is worth")
+    parser.add_argument("--without", choices=WITHOUT, help="leave out a part of the network, to tell what it is worth")
     parser.add_argument("--weights", type=pathlib.Path, help="score these, train none")
     arguments = parser.parse_args()
     (arguments.out / "runs").mkdir(parents=True)
@@ -296,7 +298,7 @@ def main():
     weights = arguments.weights or arguments.out / "demonstration.safetensors"
     if not arguments.weights:
         print("== training", flush=True)
-        train(arguments, config, data, weights, **({"window": 1} if arguments.no_attention else {}))
+        train(arguments, config, data, weights, **WITHOUT.get(arguments.without, {}))
     print("== in the loop", flush=True)
     scores = score(arguments, config, data, weights)
     print(scores)
