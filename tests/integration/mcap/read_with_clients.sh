@@ -10,7 +10,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 configuration=$source/firmware_app/config
-sed -E "s#^(model|map) = \"#\1 = \"$configuration/#; s#^(log|model|weights) = \"$configuration//#\1 = \"/#" "$configuration/adult.toml" >"$folder/run.toml"
+sed -E "s#= \"([a-z]+/[^\"]+)\"#= \"$configuration/\1\"#" "$configuration/adult.toml" >"$folder/run.toml"
 printf '\n[recorder]\nmcap = true\n' >>"$folder/run.toml"
 for run in a b; do
   "$patella" run --config "$folder/run.toml" --clock virtual --duration 3 --out "$folder/$run" >/dev/null

@@ -10,7 +10,7 @@
 #include "firmware_app/files/file_error.hpp"
 #include "firmware_app/formats/little_endian.hpp"
 #include "firmware_app/formats/mcap_reader.hpp"
-#include "tests/unit/files/scratch_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using formats::McapOpcode;
