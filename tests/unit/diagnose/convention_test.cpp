@@ -71,8 +71,8 @@ std::vector<ReadAs> wrongIn(const Recording& recording) {
   return wrongConventions(reader, reader.asGiven(), columnNames(arm()));
 }
 
-bool holds(const std::vector<ReadAs>& found, ConventionKind kind, int joint, double number = 0.0,
-           double within = 1e300) {
+bool isAmong(const std::vector<ReadAs>& found, ConventionKind kind, int joint, double number = 0.0,
+             double within = 1e300) {
   return std::any_of(found.begin(), found.end(), [&](const ReadAs& one) {
     return one.convention.kind == kind && one.convention.joint == joint &&
            std::abs(one.convention.number - number) < within;
@@ -100,19 +100,19 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
   Recording recording = swinging();
   SUBCASE("sign of a torque: friction that drives gives it away") {
     map(recording.torque_Nm[0], [](double tau) { return -tau; });
-    CHECK(holds(wrongIn(recording), ConventionKind::kTorqueSign, 0));
+    CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueSign, 0));
   }
   SUBCASE("sign of a position that counts from hanging") {
     map(recording.position_rad[0], [](double q) { return -kPi - q; });
-    CHECK(holds(wrongIn(recording), ConventionKind::kPositionSign, 0));
+    CHECK(isAmong(wrongIn(recording), ConventionKind::kPositionSign, 0));
   }
   SUBCASE("degrees that count from hanging") {
     map(recording.position_rad[0], [](double q) { return (q + 0.5 * kPi) * 180.0 / kPi - 0.5 * kPi; });
-    CHECK(holds(wrongIn(recording), ConventionKind::kPositionUnit, 0));
+    CHECK(isAmong(wrongIn(recording), ConventionKind::kPositionUnit, 0));
   }
   SUBCASE("torque before the gear") {
     map(recording.torque_Nm[1], [](double tau) { return tau / 6.0; });
-    CHECK(holds(wrongIn(recording), ConventionKind::kTorqueUnit, 1, 1.0 / 6.0, 0.06));
+    CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueUnit, 1, 1.0 / 6.0, 0.06));
   }
   SUBCASE("gravity's sign, which is the zero of the first angle off by half a turn") {
     map(recording.position_rad[0], [](double q) { return q + kPi; });
@@ -124,20 +124,20 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
   }
   SUBCASE("a zero off by some angle") {
     map(recording.position_rad[1], [](double q) { return q - 0.6; });
-    CHECK(holds(wrongIn(recording), ConventionKind::kZero, 1, 0.6, 0.1));
+    CHECK(isAmong(wrongIn(recording), ConventionKind::kZero, 1, 0.6, 0.1));
   }
   SUBCASE("a torque that comes too late") {
     recording.torque_Nm[1] = later(recording.torque_Nm[1], 20);
-    CHECK(holds(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.1, 0.02));
+    CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.1, 0.02));
   }
 }
 
 TEST_CASE("joints that were exchanged are named by what was") {
   Recording recording = swinging();
   std::swap(recording.torque_Nm[0], recording.torque_Nm[1]);
-  CHECK(holds(wrongIn(recording), ConventionKind::kTorquesExchanged, -1));
+  CHECK(isAmong(wrongIn(recording), ConventionKind::kTorquesExchanged, -1));
   std::swap(recording.position_rad[0], recording.position_rad[1]);
-  CHECK(holds(wrongIn(recording), ConventionKind::kJointsExchanged, -1));
+  CHECK(isAmong(wrongIn(recording), ConventionKind::kJointsExchanged, -1));
 }
 
 TEST_CASE("a joint that is plainly wrong does not hide behind one whose torque is a hundred times as large") {
@@ -148,8 +148,8 @@ TEST_CASE("a joint that is plainly wrong does not hide behind one whose torque i
   CHECK(wrong.asGiven().error[0] < 1.5 * right.asGiven().error[0] + convention::kFloor);
   CHECK(wrong.asGiven().error[1] > 1.0);
   const std::vector<ReadAs> found = wrongIn(recording);
-  CHECK(holds(found, ConventionKind::kTorqueSign, 1));
-  CHECK_FALSE(holds(found, ConventionKind::kTorqueSign, -1));
+  CHECK(isAmong(found, ConventionKind::kTorqueSign, 1));
+  CHECK_FALSE(isAmong(found, ConventionKind::kTorqueSign, -1));
 }
 
 TEST_CASE("a joint without torque is judged by its load") {
