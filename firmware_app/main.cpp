@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/chrono.h>
@@ -14,6 +15,7 @@
 #include "firmware_app/commands/bounds_command.hpp"
 #include "firmware_app/commands/check_command.hpp"
 #include "firmware_app/commands/run_command.hpp"
+#include "firmware_app/commands/view_command.hpp"
 #include "firmware_app/files/standard_streams.hpp"
 #include "firmware_app/realtime/signal_reactions.hpp"
 
@@ -51,6 +53,9 @@ void addCommon(CLI::App& command, patella::app::CommandLine& line) {
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  if (argc > 1 && std::string_view(argv[1]) == "view") {
+    return patella::app::becomeViewer(argv + 1);
+  }
   CLI::App app("Real-time control loop for knee rehabilitation robots.", "patella");
   app.set_version_flag("--version", std::string("patella ") + PATELLA_VERSION);
   app.require_subcommand(1);
@@ -76,6 +81,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
   const CLI::App& bounds = *app.add_subcommand(
       "bounds", "Print every key of every file, with range, default and meaning, as Markdown.");
+  app.add_subcommand("view", "Serve a live run to viewers, by a process of its own: patella view --help.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -138,6 +138,7 @@ fi
 headline "style"
 tools/checks/dependencies.sh
 tools/checks/bounds.sh
+tools/checks/thresholds.sh
 tools/checks/format.sh
 headline "documentation of the API"
 tools/checks/api.sh

@@ -173,6 +173,23 @@ std::string heading(const std::vector<InputFile>& files) {
   return text;
 }
 
+// The same with the files themselves, for a recording that travels alone. The log of a replay stays where it
+// is: what was played is in the recording.
+formats::RunInputs mcapInputs(const std::vector<InputFile>& files) {
+  formats::RunInputs inputs;
+  inputs.hashes.name = "inputs";
+  for (const InputFile& file : files) {
+    const std::string name = file.path.filename().string();
+    inputs.hashes.values[file.role] = name + " sha256=" + file.sha256;
+    if (file.role != "log") {
+      inputs.files.push_back({.name = name,
+                              .media_type = formats::mediaType(name),
+                              .data = readFile(file.path, files::kWeightsFile)});
+    }
+  }
+  return inputs;
+}
+
 void warnOfWeights(const RunConfig& config) {
   if (config.weights && !config.weights_sealed) {
     spdlog::warn("{}", unsealedWarning(config.weights_path));
@@ -252,7 +269,9 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                      .joints = config.model.joints(),
                      .heading = heading(files),
                      .min_free_bytes = config.min_free_bytes,
-                     .lossless = config.clock == ClockKind::kVirtual});
+                     .lossless = config.clock == ClockKind::kVirtual,
+                     .mcap = config.record_mcap ? std::optional(mcapInputs(files)) : std::nullopt,
+                     .live = config.record_live});
   sim::DisturbedClock loop_clock(*clock, config.faults);
   sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
   const bool disturbed = !config.faults.empty();
@@ -305,6 +324,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (backend.replay != nullptr) {
     addReplay(summary, *backend.replay, config.backend.target);
   }
+  recorder.finish({.name = "summary", .values = {{"summary.json", summary.dump(2) + "\n"}}});
   return conclude(summary, folder, recorder) ? statusOf(config, account.statistics().final_state)
                                              : RunStatus::kRecordingFailed;
 }

@@ -196,6 +196,9 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   readLoop(loop, config);
   readRealtime(root.optionalTable("realtime"), config);
   readGpio(root.optionalTable("gpio"), config);
+  const TomlTable recorder = root.optionalTable("recorder");
+  config.record_mcap = recorder.boolean("mcap", config.record_mcap);
+  config.record_live = recorder.boolean("live", config.record_live);
   const TomlTable bus = root.table("bus");
   const std::string backend = bus.string("backend", "sim");
   try {

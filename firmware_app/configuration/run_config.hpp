@@ -76,6 +76,8 @@ struct RunConfig {
   int warmup_ticks = 200;  ///< heap operations and page faults are counted from here on
   RealtimeOptions realtime;
   WatchdogOptions watchdog;
+  bool record_mcap = false;                   ///< a run.mcap beside the other files
+  bool record_live = true;                    ///< the newest messages in shared memory, for viewers
   std::uint64_t min_free_bytes = 50'000'000;  ///< on the recording's disk
   model::ModelDescription model;
   BusDescription bus;

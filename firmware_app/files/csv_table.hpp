@@ -46,6 +46,10 @@ class CsvTable {
   /// `name` stands for the file in messages.
   static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
 
+  /// The same of lines from elsewhere: `size` bytes in all, or thereabouts.
+  static CsvTable read(const Lines& source, std::uint64_t size, const std::string& name,
+                       const CsvOptions& options);
+
   /// Names of the columns that were read, in the order of the file.
   const std::vector<std::string>& names() const noexcept { return names_; }
   std::size_t rows() const noexcept { return rows_; }
@@ -62,9 +66,6 @@ class CsvTable {
   std::optional<std::size_t> firstNotIncreasing(std::string_view name) const;
 
  private:
-  /// `size` bytes in all, or thereabouts.
-  static CsvTable read(const Lines& source, std::uint64_t size, const std::string& name,
-                       const CsvOptions& options);
   std::size_t indexOf(std::string_view name) const;
 
   std::string file_;

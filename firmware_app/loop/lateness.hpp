@@ -20,7 +20,7 @@ class Lateness {
  public:
   explicit Lateness(const LatenessLimits& limits) noexcept
       : limits_(limits),
-        // What a stall and a row of overruns may miss by themselves is tolerated once.
+        // The periods that a stall and a row of overruns may miss by themselves are tolerated once.
         missed_(limits.stall_tolerated_s * limits.rate_Hz + limits.overruns_tolerated,
                 (1.0 - limits.missed_share_tolerated) / limits.missed_share_tolerated) {}
 

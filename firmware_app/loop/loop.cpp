@@ -83,6 +83,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   const std::int64_t execution_ns = clock_.now() - woken_ns;
   sink_.tick({.tick = index_,
               .time_s = input.time_s,
+              .wall_ns = scheduled_ns + wall_offset_ns_,
               .missed_periods = missed,
               .wakeup_latency_ns = woken_ns - scheduled_ns,
               .execution_ns = execution_ns,

@@ -23,7 +23,7 @@
 
 namespace patella::app {
 
-/// What a loop is made of. All references must outlive it.
+/// Parts of a loop. All references must outlive it.
 struct LoopParts {
   LoopOptions options;
   Clock& clock;

@@ -1,4 +1,4 @@
-// What can be configured of the loop.
+// Options of the loop.
 #pragma once
 
 #include <cstdint>

@@ -12,10 +12,11 @@
 
 namespace patella::app {
 
-/// What one tick measured, computed and sent. The references hold during the call alone.
+/// Measurement, results and command of one tick. The references hold during the call alone.
 struct TickReport {
   std::uint64_t tick = 0;              ///< periods since the start of the loop, the skipped ones included
   double time_s = 0.0;                 ///< scheduled instant since the start of the loop
+  std::int64_t wall_ns = 0;            ///< the same instant by the wall's clock
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
   std::int64_t wakeup_latency_ns = 0;  ///< woken later than scheduled by
   std::int64_t execution_ns = 0;       ///< from waking until the command and the lines were out
@@ -32,7 +33,7 @@ class LoopSink {
  public:
   virtual ~LoopSink() = default;
 
-  /// Before the first tick, and after the last.
+  /// Before the first tick, and after the last. The frames that end a run follow.
   virtual void begin() noexcept = 0;
   virtual void end() noexcept = 0;
 

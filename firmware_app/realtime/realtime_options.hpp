@@ -1,4 +1,4 @@
-// What can be configured of a real-time thread.
+// Options of a real-time thread.
 #pragma once
 
 #include <cstddef>

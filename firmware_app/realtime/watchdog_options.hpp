@@ -1,4 +1,4 @@
-// What can be configured of the watchdog.
+// Options of the watchdog.
 #pragma once
 
 namespace patella::app {

@@ -1,4 +1,4 @@
-// What a run of the loop comes to in plain numbers.
+// Statistics of a run of the loop.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace patella::app {
 
-/// Mean, RMS and maximum of |f_s − f_u| where the rig tells the truth.
+/// Mean, RMS and maximum of |estimate − f_u| where the rig tells the truth.
 struct ErrorStatistics {
   std::uint64_t count = 0;
   JointArray sum{}, sum_of_squares{}, maximum{};
@@ -38,7 +38,9 @@ struct LoopStatistics {
   safety::State final_state = safety::State::kInit;
   safety::FaultSet latched;
   double max_torque_Nm = 0.0;
-  ErrorStatistics sampler_error, network_error;
+  ErrorStatistics sampler_error;   ///< of the observer as it comes
+  ErrorStatistics filtered_error;  ///< of the same behind its low-pass, which is what compensates
+  ErrorStatistics network_error;
   JointArray tracking_sum_of_squares{};  ///< rad², while active and a reference exists
   JointArray f_s_sum_of_squares{};       ///< (rad/s²)², of the filtered estimate while active
   JointArray d_hat_sum_of_squares{};     ///< (N·m)², likewise

@@ -20,6 +20,7 @@
 #include "core/safety/warning.hpp"
 #include "drivers/can/candump_log.hpp"
 #include "drivers/signal_stack.hpp"
+#include "firmware_app/live/live_run.hpp"
 
 namespace patella::app {
 namespace {
@@ -27,7 +28,7 @@ namespace {
 constexpr auto kWriterPeriod = std::chrono::milliseconds(10);
 constexpr auto kDiskPeriod = std::chrono::seconds(1);
 constexpr std::size_t kFileBuffer = 1U << 18;
-constexpr std::array kFileNames = {"frames.log", "ticks.csv", "events.log"};
+constexpr std::array kFileNames = {"frames.log", "ticks.csv", "events.log", "run.mcap"};
 
 struct Closer {
   void operator()(std::FILE* file) const noexcept { std::fclose(file); }
@@ -120,6 +121,19 @@ class Recorder::Files {
         frames_(options.folder, kFileNames[0], created),
         ticks_(options.folder, kFileNames[1], created),
         events_(options.folder, kFileNames[2], created) {
+    if (options.mcap) {
+      mcap_file_ = std::make_unique<OutputFile>(options.folder, kFileNames[3], created);
+      mcap_ = std::make_unique<formats::McapRun>(
+          [this](std::string_view bytes) { mcap_file_->write(bytes.data(), bytes.size()); },
+          "patella " PATELLA_VERSION, namesOf(columns_), *options.mcap);
+    }
+    if (options.live) {
+      try {
+        live_ = std::make_unique<live::LiveRun>(options.folder, namesOf(columns_));
+      } catch (const std::runtime_error& error) {
+        spdlog::warn("nobody can watch this run: {}", error.what());
+      }
+    }
     line_.reserve(kLineCapacity);
     for (const TickColumn& column : columns_) {
       line_ += line_.empty() ? "" : ",";
@@ -133,25 +147,46 @@ class Recorder::Files {
   void write(const can::Frame& frame) {
     const std::size_t length = can::formatLogLine(buffer_, frame, channel_);
     frames_.write(buffer_.data(), length);
+    const auto wall_ns = static_cast<std::uint64_t>(frame.wall_ns);
+    const formats::MessageTime time{.wall_ns = wall_ns, .loop_ns = wall_ns};
+    intoMcap([&] { mcap_->frame(frame, channel_, time); });
+    if (live_) {
+      live_->frame(frame, channel_, time);
+    }
   }
 
   void write(const TickRecord& record) {
     line_.clear();
+    row_.clear();
     for (const TickColumn& column : columns_) {
       if (!line_.empty() || &column != columns_.data()) {
         line_ += ',';
       }
-      append(column.value(record, column.index));
+      row_.push_back(column.value(record, column.index));
+      append(row_.back());
     }
     line_ += '\n';
     ticks_.write(line_.data(), line_.size());
-    writeEvents(record);
+    const formats::MessageTime time = timeOf(record);
+    intoMcap([&] { mcap_->tick(row_, time); });
+    if (live_) {
+      live_->tick(row_, time);
+    }
+    writeEvents(record, time);
   }
 
   void flush() {
     frames_.flush();
     ticks_.flush();
     events_.flush();
+    if (mcap_file_) {
+      mcap_file_->flush();
+    }
+  }
+
+  void finish(const formats::McapMetadata& summary) {
+    intoMcap([&] { mcap_->finish(summary); });
+    flush();
   }
 
   std::string error() const {
@@ -160,11 +195,42 @@ class Recorder::Files {
         return file->error();
       }
     }
-    return {};
+    return mcap_file_ && !mcap_file_->error().empty() ? mcap_file_->error() : mcap_error_;
   }
 
  private:
   static constexpr std::size_t kLineCapacity = 2048;
+
+  static std::vector<std::string> namesOf(const std::vector<TickColumn>& columns) {
+    std::vector<std::string> names;
+    for (const TickColumn& column : columns) {
+      names.push_back(column.name);
+    }
+    return names;
+  }
+
+  // Nothing more enters run.mcap once something could not; the other files go on.
+  template <typename Write>
+  void intoMcap(Write&& write) {
+    if (!mcap_ || !mcap_error_.empty()) {
+      return;
+    }
+    try {
+      write();
+    } catch (const std::exception& error) {
+      mcap_error_ = std::string(kFileNames[3]) + ": " + error.what();
+    }
+  }
+
+  // The loop's clock is set to the wall's at the first tick.
+  formats::MessageTime timeOf(const TickRecord& record) {
+    const std::int64_t since_start_ns = std::llround(1e9 * record.time_s);
+    if (!loop_epoch_ns_) {
+      loop_epoch_ns_ = record.wall_ns - since_start_ns;
+    }
+    return {.wall_ns = static_cast<std::uint64_t>(record.wall_ns),
+            .loop_ns = static_cast<std::uint64_t>(*loop_epoch_ns_ + since_start_ns)};
+  }
 
   // Shortest text that reads back as the same double; nothing for NaN.
   void append(double value) {
@@ -177,7 +243,7 @@ class Recorder::Files {
   }
 
   // A line for every change of state and for every cause that appears or goes.
-  void writeEvents(const TickRecord& record) {
+  void writeEvents(const TickRecord& record, const formats::MessageTime& time) {
     if (record.state == last_state_ && record.faults == last_faults_ && record.missed_periods == 0 &&
         record.warnings == last_warnings_) {
       return;
@@ -204,6 +270,10 @@ class Recorder::Files {
     if (record.missed_periods != 0) {
       line_ += " missed_periods=" + std::to_string(record.missed_periods);
     }
+    intoMcap([&] { mcap_->event(line_, time); });
+    if (live_) {
+      live_->event(line_, time);
+    }
     line_ += '\n';
     events_.write(line_.data(), line_.size());
     last_state_ = record.state;
@@ -216,7 +286,13 @@ class Recorder::Files {
   OutputFile frames_;
   OutputFile ticks_;
   OutputFile events_;
+  std::unique_ptr<OutputFile> mcap_file_;
+  std::unique_ptr<formats::McapRun> mcap_;
+  std::string mcap_error_;
+  std::unique_ptr<live::LiveRun> live_;
+  std::optional<std::int64_t> loop_epoch_ns_;
   std::string line_;
+  std::vector<double> row_;
   std::array<char, can::kMaxLogLine> buffer_{};
   std::uint8_t last_state_ = 255;
   std::uint32_t last_faults_ = 0;
@@ -233,8 +309,8 @@ Recorder::Recorder(const RecorderOptions& options) : options_(options) {
     if (error) {
       throw std::runtime_error(options.folder.string() + ": cannot be created: " + error.message());
     }
-    auto files = std::make_shared<Files>(options, created_);
-    thread_ = startThread([this, files] { write(*files); });
+    files_ = std::make_shared<Files>(options, created_);
+    thread_ = startThread([this, files = files_] { write(*files); });
   } catch (...) {
     discard();
     throw;
@@ -250,6 +326,11 @@ void Recorder::close() noexcept {
   if (thread_.joinable()) {
     thread_.join();
   }
+}
+
+void Recorder::finish(const formats::McapMetadata& summary) noexcept {
+  files_->finish(summary);
+  error_ = files_->error();
 }
 
 void Recorder::discard() noexcept {
@@ -270,7 +351,8 @@ bool Recorder::behind() noexcept PATELLA_NONBLOCKING {
 }
 
 void Recorder::tick(const TickRecord& record) noexcept PATELLA_NONBLOCKING {
-  while (!ticks_.push(record)) {
+  const Entry entry{record, accepted_frames_};
+  while (!ticks_.push(entry)) {
     if (!options_.lossless) {
       ++dropped_ticks_;
       return;
@@ -285,11 +367,24 @@ void Recorder::frame(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
       return;
     }
   }
+  ++accepted_frames_;
+}
+
+// Writes the frames up to the one of that number, and says whether there were any.
+bool Recorder::writeFrames(Files& files, std::uint64_t count) {
+  can::Frame frame;
+  bool worked = false;
+  while (writtenFrames() < count && frames_.pop(frame)) {
+    files.write(frame);
+    written_frames_.fetch_add(1, std::memory_order_release);
+    worked = true;
+  }
+  return worked;
 }
 
 void Recorder::write(Files& files) {
-  can::Frame frame;
-  TickRecord record;
+  constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
+  Entry entry;
   auto next_look = std::chrono::steady_clock::now();
   while (true) {
     if (const auto now = std::chrono::steady_clock::now(); options_.min_free_bytes > 0 && now >= next_look) {
@@ -298,15 +393,15 @@ void Recorder::write(Files& files) {
     }
     const bool last_round = stop_.load(std::memory_order_acquire);
     bool worked = false;
-    while (frames_.pop(frame)) {
-      files.write(frame);
-      written_frames_.fetch_add(1, std::memory_order_release);
-      worked = true;
-    }
-    while (ticks_.pop(record)) {
-      files.write(record);
+    while (ticks_.pop(entry)) {
+      // The frames of a tick stand before it, so that a run in virtual time gives the same file again.
+      writeFrames(files, entry.frames);
+      files.write(entry.record);
       written_ticks_.fetch_add(1, std::memory_order_release);
       worked = true;
+    }
+    if (last_round || !options_.lossless) {
+      worked = writeFrames(files, kAll) || worked;
     }
     if (!failed_.load(std::memory_order_relaxed) && !files.error().empty()) {
       failed_.store(true, std::memory_order_relaxed);

@@ -1,16 +1,19 @@
 // Takes records from the loop through lock-free rings and writes them to a run folder on a thread of its own:
-// frames.log (candump -l), ticks.csv and events.log.
+// frames.log (candump -l), ticks.csv, events.log and, where asked for, run.mcap.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/spsc_ring.hpp"
 #include "drivers/can/can_frame.hpp"
+#include "firmware_app/formats/mcap_run.hpp"
 #include "firmware_app/recorder/tick_record.hpp"
 
 namespace patella::app {
@@ -22,6 +25,10 @@ struct RecorderOptions {
   std::string heading;               ///< whole lines, to begin events.log with
   std::uint64_t min_free_bytes = 0;  ///< on the folder's disk, at the start and then as a warning
   bool lossless = false;  ///< wait for the writer instead of dropping: only where no wall clock runs
+  /// What run.mcap holds beside the recording; without it, there is no such file.
+  std::optional<formats::RunInputs> mcap{};
+  bool live = false;  ///< the newest messages in shared memory, for viewers; left out with a warning where it
+                      ///< cannot be
 };
 
 class Recorder {
@@ -39,6 +46,10 @@ class Recorder {
 
   /// Writes what is left, closes the files and ends the thread. Called by the destructor too.
   void close() noexcept;
+
+  /// After close(): ends run.mcap with what the run came to. Without it, that file is as readable as that of
+  /// a run that was killed.
+  void finish(const formats::McapMetadata& summary) noexcept;
 
   /// For a run that is refused before its first tick: closes, and removes what the constructor created.
   void discard() noexcept;
@@ -61,13 +72,19 @@ class Recorder {
 
  private:
   class Files;
+  struct Entry {
+    TickRecord record;
+    std::uint64_t frames = 0;  ///< accepted so far, those of this tick included
+  };
   void write(Files& files);
+  bool writeFrames(Files& files, std::uint64_t count);
 
   // Two seconds of a 1 kHz loop with eight frames a tick.
-  SpscRing<TickRecord> ticks_{2048};
+  SpscRing<Entry> ticks_{2048};
   SpscRing<can::Frame> frames_{16384};
   std::uint64_t dropped_ticks_ = 0;
   std::uint64_t dropped_frames_ = 0;
+  std::uint64_t accepted_frames_ = 0;
   std::atomic<std::uint64_t> written_ticks_{0};
   std::atomic<std::uint64_t> written_frames_{0};
   std::atomic<bool> stop_{false};
@@ -77,6 +94,7 @@ class Recorder {
   std::string error_;
   RecorderOptions options_;
   std::vector<std::filesystem::path> created_;  ///< folders from the outermost, then files
+  std::shared_ptr<Files> files_;
   std::thread thread_;
 };
 

@@ -23,6 +23,7 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   const tick::TickOutput& output = report.output;
   r.tick = report.tick;
   r.time_s = report.time_s;
+  r.wall_ns = report.wall_ns;
   r.missed_periods = report.missed_periods;
   r.wakeup_latency_ns = report.wakeup_latency_ns;
   r.execution_ns = report.execution_ns;
@@ -171,6 +172,7 @@ void RunAccount::countEstimates(const TickReport& report) noexcept PATELLA_NONBL
   const tick::TickOutput& output = report.output;
   if (measurement.has_truth && output.estimated) {
     s.sampler_error.add(output.f_s, measurement.true_f_u);
+    s.filtered_error.add(output.f_s_filtered, measurement.true_f_u);
     if (output.has_network) {
       s.network_error.add(output.f_network, measurement.true_f_u);
     }

@@ -34,7 +34,7 @@ class RunAccount final : public LoopSink {
   const LoopStatistics& statistics() const noexcept { return *statistics_; }
 
  private:
-  /// What the kernel and the heap had done for the loop's thread by some instant.
+  /// Page faults and heap operations of the loop's thread up to some instant.
   struct Usage {
     HeapCounts heap;
     ThreadUsage thread;

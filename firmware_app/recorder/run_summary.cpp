@@ -1,6 +1,8 @@
 #include "firmware_app/recorder/run_summary.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -160,11 +162,40 @@ Json realtimeJson(const RealtimeReport& report) {
   return out;
 }
 
+// Errors of everybody who estimates, where a simulated rig tells the truth, and how the network's compares
+// with the smaller of the observer's two.
+void estimation(const RunConfig& config, const LoopStatistics& loop, Json& out) {
+  const int joints = config.model.joints();
+  if (loop.sampler_error.count == 0) {
+    return;
+  }
+  Json& estimates = out["estimation_error"];
+  estimates["sampler"] = errors(loop.sampler_error, joints);
+  if (config.tick.estimate_cutoff_Hz > 0.0) {
+    estimates["sampler_filtered"] = errors(loop.filtered_error, joints);
+  }
+  if (loop.network_error.count == 0) {
+    return;
+  }
+  estimates["network"] = errors(loop.network_error, joints);
+  for (int i = 0; i < joints; ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    const auto mean = [joint](const ErrorStatistics& s) {
+      return s.sum[joint] / static_cast<double>(s.count);
+    };
+    const double observer = std::min(mean(loop.sampler_error), mean(loop.filtered_error));
+    out["network"]["error_to_observer"].push_back(mean(loop.network_error) / observer);
+  }
+}
+
 std::string timingLine(const Json& summary, const char* key, const char* label) {
   const Json& d = summary["timing"][key];
   return fmt::format("  {:<22}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}\n", label, d["p50_us"].get<double>(),
                      d["p99_us"].get<double>(), d["p99_9_us"].get<double>(), d["max_us"].get<double>());
 }
+
+constexpr std::pair<const char*, const char*> kEstimates[] = {
+    {"sampler", "observer"}, {"sampler_filtered", "observer, filtered"}, {"network", "network"}};
 
 std::string perJoint(const Json& values, const char* format) {
   std::string text;
@@ -172,6 +203,31 @@ std::string perJoint(const Json& values, const char* format) {
     text += (text.empty() ? "" : " / ") + fmt::format(fmt::runtime(format), value.get<double>());
   }
   return text;
+}
+
+// What the network is worth here, in words, and when its output is there.
+std::string networkText(const Json& s) {
+  const Json& network = s["network"];
+  std::string text;
+  if (network.contains("error_to_observer")) {
+    const Json& ratios = network["error_to_observer"];
+    text += fmt::format("  the network leaves {} of the observer's mean error", perJoint(ratios, "{:.2f}"));
+    std::string joints;
+    for (std::size_t i = 0; i < ratios.size(); ++i) {
+      if (!(ratios[i].get<double>() < 1.0)) {
+        joints += fmt::format("{}{}", joints.empty() ? "" : " and ", i + 1);
+      }
+    }
+    text += joints.empty() ? "\n" : fmt::format(": NO BETTER than the observer at joint {}\n", joints);
+  }
+  text += fmt::format("  network: {} steps a second, {}", network["rate_Hz"].get<double>(),
+                      network["compensates"].get<bool>() ? "compensates" : "the observer compensates");
+  if (s.contains("realtime")) {
+    const Json& latency = s["timing"]["sensor_to_torque"];
+    text += fmt::format(", its output within {:.1f} µs of the encoder's frame (p50; p99 {:.1f})",
+                        latency["p50_us"].get<double>(), latency["p99_us"].get<double>());
+  }
+  return text + "\n";
 }
 
 }  // namespace
@@ -223,12 +279,11 @@ Json summarise(const RunConfig& config, const std::vector<InputFile>& files, con
   if (const std::vector<std::string> changed = changedFiles(files); !changed.empty()) {
     out["safety"]["warnings"][std::string(warningName(safety::Warning::kFileChanged))]["files"] = changed;
   }
-  if (loop.sampler_error.count > 0) {
-    out["estimation_error"]["sampler"] = errors(loop.sampler_error, joints);
+  if (config.weights) {
+    out["network"] = {{"rate_Hz", config.weights->rate_Hz},
+                      {"compensates", config.tick.compensation == tick::CompensationSource::kNetwork}};
   }
-  if (loop.network_error.count > 0) {
-    out["estimation_error"]["network"] = errors(loop.network_error, joints);
-  }
+  estimation(config, loop, out);
   if (loop.tracking_count > 0) {
     const auto rms = [&](const JointArray& sum_of_squares, int joint) {
       return std::sqrt(sum_of_squares[static_cast<std::size_t>(joint)] /
@@ -304,11 +359,17 @@ std::string summaryText(const Json& s) {
     }
   }
   if (s.contains("estimation_error")) {
-    for (const auto& [name, error] : s["estimation_error"].items()) {
-      text += fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n",
-                          name == "sampler" ? "observer" : name, perJoint(error["mean_rad_s2"], "{:.4f}"),
-                          perJoint(error["max_rad_s2"], "{:.4f}"));
+    for (const auto& [name, shown] : kEstimates) {
+      if (s["estimation_error"].contains(name)) {
+        const Json& error = s["estimation_error"][name];
+        text +=
+            fmt::format("  |f_u − estimate| of the {}, rad/s²: mean {}, max {}\n", shown,
+                        perJoint(error["mean_rad_s2"], "{:.4f}"), perJoint(error["max_rad_s2"], "{:.4f}"));
+      }
     }
+  }
+  if (s.contains("network")) {
+    text += networkText(s);
   }
   if (s.contains("tracking_rms_rad")) {
     text +=

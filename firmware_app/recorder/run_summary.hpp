@@ -1,4 +1,4 @@
-// What a run comes to: summary.json for programs, a page of text for people.
+// Summary of a run: summary.json for programs, a page of text for people.
 #pragma once
 
 #include <filesystem>

@@ -16,7 +16,8 @@ using JointArray = std::array<double, kMaxJoints>;
 
 struct TickRecord {
   std::uint64_t tick = 0;
-  double time_s = 0.0;  ///< scheduled instant of the tick since the start of the loop
+  double time_s = 0.0;       ///< scheduled instant of the tick since the start of the loop
+  std::int64_t wall_ns = 0;  ///< the same instant by the wall clock, since 1970
   JointArray q_rad{}, dq_rad_s{}, drive_torque_Nm{};
   JointArray reference_rad{}, reference_rad_s{};
   JointArray f_s_rad_s2{}, f_s_filtered_rad_s2{}, f_network_rad_s2{}, f_true_rad_s2{}, d_hat_Nm{};

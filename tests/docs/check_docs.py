@@ -3,7 +3,7 @@
 
     check_docs.py ROOT [--build FOLDER] [--not-built PROGRAM...]
 
-It looks at the Markdown files of the top folder and of docs/:
+It looks at the Markdown files of the top folder, of docs/ and of firmware_app/:
 
   length    README.md has at most 120 lines
   sentence  no sentence has more than 25 words, and the mean of a document is at most 18; tables, code, headings and
@@ -38,7 +38,8 @@ PICTURES = {".svg", ".png", ".jpg"}
 class Check:
     def __init__(self, root, commands):
         self.root, self.commands, self.faults = Path(root).resolve(), commands, []
-        self.documents = sorted([*self.root.glob("*.md"), *(self.root / "docs").rglob("*.md")])
+        self.documents = sorted([*self.root.glob("*.md"), *(self.root / "docs").rglob("*.md"),
+                                 *(self.root / "firmware_app").rglob("*.md")])
         self.counted = {"sentences": 0, "links": 0, "pictures": 0, "keys": 0, "commands": 0}
         self.shown = set()
 
@@ -99,7 +100,7 @@ class Check:
             return
         named = {(index.parent / target.partition("#")[0]).resolve() for _, target, _ in links(index.read_text())}
         for document in self.documents:
-            if document.parent != self.root and document != index and document not in named:
+            if document.is_relative_to(index.parent) and document not in (index, *named):
                 self.fault("index", index, 0, f"does not name {document.relative_to(index.parent)}")
 
     def keys(self):

@@ -27,7 +27,7 @@ else
 fi
 dpkg --audit
 getent passwd patella >/dev/null || fail "no user patella after installation"
-for file in /etc/patella/rig.toml /etc/patella/can/patella.dbc /lib/systemd/system/patella@.service \
+for file in /etc/patella/rig.toml /etc/patella/can/patella.dbc /etc/patella/weights/demonstration.safetensors /lib/systemd/system/patella@.service \
     /lib/udev/rules.d/60-patella.rules /usr/share/man/man1/patella.1.gz; do
   # A minimal system may be told to leave manuals out.
   [ -e "$file" ] || grep -q 'path-exclude.*man' /etc/dpkg/dpkg.cfg.d/* 2>/dev/null || fail "no $file"
@@ -39,6 +39,7 @@ patella check --config /etc/patella/rig.toml >"$notes/check" || fail "patella ch
 patella run --config /etc/patella/rig.toml --clock virtual --duration 3 --out /tmp/run >"$notes/run" ||
   fail "patella run: $(cat "$notes/run")"
 grep -q 'final state active' "$notes/run" || fail "patella run did not end active: $(cat "$notes/run")"
+grep -q 'the network leaves' "$notes/run" || fail "patella run ran no network: $(cat "$notes/run")"
 cat "$notes/run"
 patella-convert --decode /tmp/run/frames.log --dbc /etc/patella/can/patella.dbc --out /tmp/run/signals.csv
 for program in patella patella-rig patella-convert patella-report; do

@@ -24,6 +24,13 @@ echo '#include "tools/diagnose/verdict/verdict.hpp"' >"$root/tools/diagnose/fit/
 expect 1 "tools/diagnose/fit/bad.cpp:1: includes tools/diagnose/verdict/verdict.hpp"
 rm "$root/tools/diagnose/fit/bad.cpp"
 
+echo '#include <cstddef>' >"$root/tools/diagnose/thresholds.hpp"
+echo '#include "tools/diagnose/thresholds.hpp"' >"$root/tools/diagnose/fit/judge.cpp"
+expect 0 "one way"
+echo '#include "tools/diagnose/fit/model_fit.hpp"' >"$root/tools/diagnose/thresholds.hpp"
+expect 1 "tools/diagnose/thresholds.hpp:1: includes tools/diagnose/fit/model_fit.hpp"
+echo '#include <cstddef>' >"$root/tools/diagnose/thresholds.hpp"
+
 mkdir -p "$root/firmware_app/loop" "$root/firmware_app/recorder" "$root/tools/bench/tick"
 echo '#include "firmware_app/loop/loop_sink.hpp"' >"$root/firmware_app/recorder/good.cpp"
 echo '#include "firmware_app/loop/loop.hpp"' >"$root/tools/bench/tick/good.cpp"

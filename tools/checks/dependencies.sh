@@ -37,14 +37,14 @@ done < <(sources core | xargs -r grep -nHoE '^#include <[^>]+>' | sed -E 's/#inc
 
 # may_include FOLDER OF ALLOWED: of what stands in the folder OF, FOLDER may include only what matches ALLOWED.
 may_include() {
-  [ -d "$1" ] || return 0
+  [ -e "$1" ] || return 0
   while IFS=: read -r file line text; do
     [ -n "$file" ] || continue
     fail "$file:$line: includes $text; $1 may include of $2 only ${3//|/, }"
   done < <(sources "$1" | xargs -r grep -nHoE "^#include \"$2/[^\"]+\"" | sed -E 's/#include "([^"]+)"/\1/' |
-    grep -vE ":$2/($3)/" || true)
+    grep -vE ":$2/($3)(/|$)" || true)
 }
-# rooms FOLDER ROOM...: each room may include itself and those before it.
+# rooms FOLDER ROOM...: each room, a folder or a header, may include itself and those before it.
 rooms() {
   local folder=$1 allowed="" room
   shift
@@ -53,15 +53,15 @@ rooms() {
     may_include "$folder/$room" "$folder" "$allowed"
   done
 }
-# In the way that a recording goes.
-rooms tools/diagnose result regression effects fit checks search evidence verdict output
+# In the way that a recording goes, the thresholds of all of it first.
+rooms tools/diagnose thresholds.hpp result regression effects fit checks search verdict output
 # The loop tells a sink what it did and knows nobody who keeps account.
-rooms firmware_app files weights realtime loop configuration recorder commands
+rooms firmware_app files formats live weights realtime loop configuration recorder commands
 # Only benchmarks and studies run the loop.
 for tool in tools/*/; do
   case $tool in
     tools/bench/ | tools/studies/) ;;
-    *) may_include "${tool%/}" firmware_app "files|weights|configuration" ;;
+    *) may_include "${tool%/}" firmware_app "files|formats|live|weights|configuration" ;;
   esac
 done
 

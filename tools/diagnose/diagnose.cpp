@@ -9,6 +9,7 @@
 #include "tools/diagnose/fit/torque_timing.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/search/missing_effects.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/before_and_after.hpp"
 #include "tools/diagnose/verdict/consistency.hpp"
 #include "tools/diagnose/verdict/dependence.hpp"
@@ -21,10 +22,6 @@
 
 namespace patella::diagnose {
 namespace {
-
-/// Times the level of a step, that of a dependence behind named effects. Where nothing was named it would
-/// overturn "nothing is missing", which has to be rare; here it only makes an answer more careful.
-constexpr double kLevelBehindNamed = 2.0;
 
 void listInputs(std::span<const Recording> recordings, Diagnosis& diagnosis) {
   for (const Recording& recording : recordings) {
@@ -93,7 +90,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   options.report("unexplained", 0.0);
   const ModelFit& fit = found.selection.fit;
   const ModelFit whole = found.fitter->onWholeTorque(fit);
-  const double level = (found.namesAny() ? kLevelBehindNamed : 1.0) * options.family_wise_p;
+  const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * options.family_wise_p;
   nameEffects(analysed, found,
               testDependence(train, whole, analysed.channels, 4 * options.bootstrap_replicates, level,
                              options.seed + 104729),

@@ -24,7 +24,6 @@
 #include "tools/diagnose/output/diagnosis_report.hpp"
 #include "tools/diagnose/output/effects_document.hpp"
 #include "tools/diagnose/regression/excerpts.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/recordings/recording_file.hpp"
 

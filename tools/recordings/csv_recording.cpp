@@ -7,7 +7,9 @@
 #include "drivers/files/line_reader.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/wording.hpp"
+#include "firmware_app/formats/mcap_reader.hpp"
 #include "tools/recordings/held_torque.hpp"
+#include "tools/recordings/mcap_table.hpp"
 #include "tools/recordings/number_table.hpp"
 #include "tools/signals/signals.hpp"
 
@@ -20,6 +22,9 @@ using app::FileError;
 constexpr const char* kStepsColumn = "encoder_steps";
 
 std::string firstLine(const std::filesystem::path& file) {
+  if (formats::isMcap(file)) {
+    return mcapColumns(file);
+  }
   constexpr std::size_t kLongestLine = 1'000'000;
   try {
     std::string line;
@@ -52,7 +57,8 @@ class NamedColumns {
   }
   void want(const std::string& column) { wanted_.push_back(column); }
   CsvTable read() const {
-    return CsvTable::load(file_, {.columns = wanted_, .allow_missing = true, .allow_cut_off = true});
+    const app::CsvOptions options{.columns = wanted_, .allow_missing = true, .allow_cut_off = true};
+    return formats::isMcap(file_) ? loadMcapTable(file_, options) : CsvTable::load(file_, options);
   }
 
  private:
@@ -153,6 +159,30 @@ CsvTable readSignals(const std::filesystem::path& file, RawRecording& recording,
   return table;
 }
 
+/// f_u as a simulated rig published it. A tick that it came too late for has that of the tick before.
+void readTruth(const std::filesystem::path& file, RawRecording& recording) {
+  const auto joints = static_cast<std::size_t>(recording.joints);
+  NamedColumns columns(file);
+  for (std::size_t j = 0; j < joints; ++j) {
+    columns.want(numbered("f_true", j, "_rad_s2"));
+  }
+  CsvTable table = columns.read();
+  for (std::size_t j = 0; j < joints; ++j) {
+    std::vector<double> truth = table.take(numbered("f_true", j, "_rad_s2"));
+    const auto first = std::find_if(truth.begin(), truth.end(), [](double v) { return std::isfinite(v); });
+    if (first == truth.end()) {
+      throw FileError(recording.name + ": column '" + numbered("f_true", j, "_rad_s2") +
+                      "' has no value, expected what a simulated rig publishes (rig.publish_truth)");
+    }
+    double last = *first;
+    for (double& value : truth) {
+      last = std::isfinite(value) ? value : last;
+      value = last;
+    }
+    recording.unknown_rad_s2[j] = std::move(truth);
+  }
+}
+
 bool neverMoves(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0 || std::isnan(v); });
 }
@@ -192,7 +222,7 @@ RawRecording readNamedColumns(const std::filesystem::path& file, int joints) {
   return recording;
 }
 
-RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled) {
+RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled, bool with_truth) {
   const std::string name = file.string();
   RawRecording recording;
   recording.name = name;
@@ -200,6 +230,9 @@ RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool s
   const CsvTable table = readSignals(file, recording, {kStepsColumn, "latency_us"});
   if (reportsNoTorque(recording)) {
     takeCommandsAsApplied(recording);
+  }
+  if (with_truth) {
+    readTruth(file, recording);
   }
   // A tick without a new sample of all joints repeats the one before it.
   const auto steps = table.column(kStepsColumn);

@@ -17,7 +17,8 @@ RawRecording readNamedColumns(const std::filesystem::path& file, int joints);
 /// have it. A drive reports the torque that it held until the sample, so that each row is given the report of
 /// the next. Commands take effect a little after the sample, by the recorded latency, within which torque is
 /// mixed from the two rows. `sampled`: the report is what acted at the instant of the sample, and taken as it
-/// is.
-RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled);
+/// is. `with_truth`: f_u as a simulated rig published it is read, too, and required.
+RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool sampled,
+                           bool with_truth = false);
 
 }  // namespace patella::diagnose

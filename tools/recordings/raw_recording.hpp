@@ -33,6 +33,7 @@ struct RawRecording {
   std::array<std::vector<double>, kMaxJoints> velocity_rad_s;
   std::array<std::vector<double>, kMaxJoints> torque_Nm;
   std::array<std::vector<double>, kMaxJoints> commanded_Nm;
+  std::array<std::vector<double>, kMaxJoints> unknown_rad_s2;
   std::array<std::vector<double>, kMaxEmgChannels> activation;
   std::array<std::vector<double>, kMaxEmgChannels> emg_mV;  ///< raw; empty where absent
   std::vector<std::string> warnings;
@@ -52,6 +53,7 @@ struct RawRecording {
     group(recording.velocity_rad_s, "velocity of joint");
     group(recording.torque_Nm, "torque of joint");
     group(recording.commanded_Nm, "commanded torque of joint");
+    group(recording.unknown_rad_s2, "true f_u of joint");
     group(recording.activation, "activation of EMG channel");
     group(recording.emg_mV, "EMG channel");
   }

@@ -40,6 +40,8 @@ struct Recording {
   std::array<std::vector<double>, kMaxJoints> torque_Nm;
   /// Commanded torque where the recording has it beside a measured one; empty otherwise.
   std::array<std::vector<double>, kMaxJoints> commanded_Nm;
+  /// Unknown acceleration f_u as a simulated rig publishes it; empty unless asked for.
+  std::array<std::vector<double>, kMaxJoints> unknown_rad_s2;
   /// EMG activation 0…1; empty where the recording has no EMG.
   std::array<std::vector<double>, kMaxEmgChannels> activation;
   std::vector<Segment> segments;      ///< at least one; a loss of more than a few samples ends a segment

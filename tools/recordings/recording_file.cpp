@@ -57,9 +57,9 @@ RawRecording readTable(const std::filesystem::path& file, const RecordingOptions
                          ": is a MATLAB file, expected a map of its variables (--columns); it holds " +
                          matContents(file));
   }
-  return isLoopTable(file)
-             ? readLoopTable(file, options.joints, options.torque_timing == TorqueTiming::kSampled)
-             : readNamedColumns(file, options.joints);
+  return isLoopTable(file) ? readLoopTable(file, options.joints,
+                                           options.torque_timing == TorqueTiming::kSampled, options.truth)
+                           : readNamedColumns(file, options.joints);
 }
 
 }  // namespace

@@ -19,10 +19,12 @@ struct RecordingOptions {
   std::optional<std::filesystem::path> bus_map{};
   /// In place of what the form of the file implies.
   std::optional<TorqueTiming> torque_timing{};
+  /// f_u as a simulated rig published it is wanted, too; only run folders have it.
+  bool truth = false;
 };
 
 /// Reads one of
-///   a folder that `patella run` has left (its ticks.csv), or that table by itself,
+///   a folder that `patella run` has left (its ticks.csv), or that table by itself, or its run.mcap,
 ///   a CSV with columns t_s, q<joint>_rad, tau<joint>_Nm and, where there are any, tau_cmd<joint>_Nm,
 ///     emg<channel>_mV or activation<channel>, or any text or MATLAB file by a map,
 ///   a log as `candump -l` writes it, by a bus description.

@@ -316,6 +316,9 @@ void fillJoints(RawRecording& raw, const Instants& instants, const std::vector<S
     if (!raw.commanded_Nm[j].empty()) {
       recording.commanded_Nm[j] = joined(taken(raw.commanded_Nm[j]), stretches, Interpolation::kHold);
     }
+    if (!raw.unknown_rad_s2[j].empty()) {
+      recording.unknown_rad_s2[j] = joined(taken(raw.unknown_rad_s2[j]), stretches, Interpolation::kLinear);
+    }
   }
 }
 

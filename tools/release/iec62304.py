@@ -19,17 +19,20 @@ PURPOSES = {
     "cli11": "command lines of the programs",
     "cmake": "build and packaging",
     "dpkg": "makes the Debian package",
+    "edflib": "EMG and motion as BDF+, in the converter",
     "eigen3": "vectors and matrices of every tick",
     "fmtlib": "text of messages and files, outside the loop thread",
     "gcc": "compiler, C++ standard library and its run time",
     "glibc": "C library: files, threads, clocks, sockets",
     "libgpiod": "emergency stop, drive enable and heartbeat lines",
     "libmd": "SHA-256 of weights and of a run's inputs",
+    "libzstd": "compression of MCAP recordings, outside the loop thread",
     "linux": "the kernel's interface: SocketCAN, scheduling, memory locks",
     "ninja-build": "runs the build",
     "nlohmann-json3": "summary.json and the header of weights",
     "spdlog": "events, outside the loop thread",
     "tomlplusplus": "configuration, models and maps, before the loop starts",
+    "zlib": "CRC-32 of MCAP recordings, outside the loop thread",
 }
 KINDS = {"Library": "shared library", "Headers": "headers", "Tool": "build tool"}
 
@@ -67,7 +70,8 @@ def requirement_rows():
         cells = [cell.strip() for cell in line.strip().strip("|").split(" | ")]
         if len(cells) != 6:
             sys.exit(f"iec62304.py: docs/safety.md: {len(cells)} columns, expected 6 in '{line[:60]}…'")
-        function, detection, fault, reaction, budget, tests = cells
+        # A heading of safety.md is none of the other document.
+        function, detection, fault, reaction, budget, tests = (cell.replace("](#", "](safety.md#") for cell in cells)
         counts[hazard] = counts.get(hazard, 0) + 1
         raised = "" if fault == "–" else f", as {fault}"
         yield [f"{hazard}.{counts[hazard]}", f"{function.removeprefix(hazard + ': ')}: {detection}{raised}; {reaction}, {budget}",

@@ -52,6 +52,25 @@ class Curves {
     add(figure, name, std::move(style), 0, time_.size());
   }
 
+  /// Adds one column less another; the mean of its absolute values stands behind the label.
+  void addDifference(Figure& figure, const std::string& name, const std::string& from, Series style) const {
+    const std::span<const double> minuend = column(name);
+    const std::span<const double> subtrahend = column(from);
+    std::vector<double> difference(minuend.size());
+    double sum = 0.0;
+    double count = 0.0;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+      difference[i] = minuend[i] - subtrahend[i];
+      sum += std::isfinite(difference[i]) ? std::abs(difference[i]) : 0.0;
+      count += std::isfinite(difference[i]) ? 1.0 : 0.0;
+    }
+    std::array<char, 32> mean{};
+    std::snprintf(mean.data(), mean.size(), ", mean %.3g", count > 0.0 ? sum / count : 0.0);
+    style.label += mean.data();
+    addEnvelope(style, time_, difference, kBins);
+    figure.series.push_back(std::move(style));
+  }
+
  private:
   const app::CsvTable& ticks_;
   std::span<const double> time_;
@@ -178,6 +197,29 @@ void addUnknownCurves(const Curves& curves, int joint, Figure& figure, std::size
   }
 }
 
+/// Errors of the observer and of the network where the run has a network and knows the truth, with their
+/// means.
+void addErrors(const Curves& curves, int joint, std::vector<Figure>& figures) {
+  const std::string truth = column("f_true", joint, "_rad_s2");
+  if (!curves.has(truth) || !curves.alive(column("f_network", joint, "_rad_s2"))) {
+    return;
+  }
+  Figure figure;
+  figure.section = "Unknown dynamics";
+  figure.title = "Error of f_u, " + jointName(joint);
+  figure.y_label = "rad/s²";
+  const std::pair<const char*, std::pair<const char*, const char*>> kEstimates[] = {
+      {"f_s", {"sampler", kSky}},
+      {"f_s_filtered", {"sampler, filtered", kBlue}},
+      {"f_network", {"network", kRed}}};
+  for (const auto& [stem, style] : kEstimates) {
+    if (const std::string name = column(stem, joint, "_rad_s2"); curves.has(name)) {
+      curves.addDifference(figure, name, truth, line(style.first, style.second));
+    }
+  }
+  figures.push_back(std::move(figure));
+}
+
 /// The second in which the column is largest while torque flows; the first second, while estimators settle,
 /// is passed over.
 std::pair<std::size_t, std::size_t> liveliestSecond(const Curves& curves, std::span<const double> values) {
@@ -229,6 +271,7 @@ void addUnknown(const Curves& curves, int joint, std::vector<Figure>& figures) {
   }
   figures.push_back(std::move(whole));
   figures.push_back(std::move(zoom));
+  addErrors(curves, joint, figures);
 }
 
 void addEmg(const Curves& curves, int channel, std::vector<Figure>& figures) {

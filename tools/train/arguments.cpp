@@ -46,8 +46,10 @@ void declareTask(CLI::App& app, Arguments& a) {
          "what the network says; a correction is added to the observer. Unless given: acceleration for "
          "features paper, torque_correction otherwise")
       ->check(CLI::IsMember(std::vector<std::string>(kOutputs.begin(), kOutputs.end())));
-  app.add_option("--target", a.target,
-                 "what is taken for the truth: the observer's f_s raw, filtered or smoothed offline")
+  app.add_option(
+         "--target", a.target,
+         "what is taken for the truth: the observer's f_s raw, filtered or smoothed offline; truth: f_u as a "
+         "simulated rig published it")
       ->check(CLI::IsMember(targetNames()))
       ->capture_default_str();
   app.add_option(
@@ -92,6 +94,9 @@ void declareNetwork(CLI::App& app, Arguments& a) {
                      fmt::format("{}", fmt::join(usualLags(), ",")) +
                      ". Unless given: none where time is a feature")
       ->delimiter(',');
+  app.add_option("--linear-loss", a.linear_loss, "what that path makes least")
+      ->check(CLI::IsMember({"squared", "absolute"}))
+      ->capture_default_str();
   app.add_option("--attention-scale", a.attention_scale,
                  "of the scores: 1/sqrt(channels/heads), or none as printed")
       ->check(CLI::IsMember({"inv_sqrt", "none"}))
@@ -191,6 +196,7 @@ void understand(Arguments& a) {
   a.training.loss = a.loss == "squared" ? Loss::kSquared : Loss::kAbsolute;
   a.training.attention_scale =
       a.attention_scale == "none" ? network::AttentionScale::kNone : network::AttentionScale::kInvSqrt;
+  a.training.linear_loss = a.linear_loss == "squared" ? Loss::kSquared : Loss::kAbsolute;
   a.training.linear_lags = lagsOf(a);
   checked(a.training);
 }

@@ -33,6 +33,7 @@ struct Arguments {
   SplitOptions split;
   std::string attention_scale = "inv_sqrt";
   std::vector<std::string> linear_lags;  ///< numbers, or a word; empty: as the features suggest
+  std::string linear_loss = "squared";
   std::string initialisation = "pytorch";
   std::string loss = "squared";
   std::string stopping = "validation";

@@ -49,6 +49,7 @@ app::RunConfig loadConfig(Arguments& a) {
   app::RunConfig config = app::loadRunConfig(command_line);
   a.recording.joints = config.model.joints();
   a.recording.bus_map = config.bus_map_path;
+  a.recording.truth = a.target == "truth";
   return config;
 }
 

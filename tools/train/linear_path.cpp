@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <Eigen/Cholesky>
 
@@ -10,6 +11,9 @@ namespace {
 
 // Ridges to choose from, per sample, in units of normalised features; without validation the first is taken.
 constexpr std::array kRidges = {1e-3, 1e-1, 1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+// Least absolute errors by least squares: each step weighed by the inverse of its error in the pass before.
+constexpr int kReweightings = 8;
+constexpr double kSmallestError = 1e-3;  ///< in units of the output's scale; smaller ones weigh no more
 /// Bound over the largest that the path says in training: room for what is a little larger elsewhere.
 constexpr double kBoundMargin = 1.25;
 /// Bound, as a share of the output's scale, where there is nothing linear to say.
@@ -45,15 +49,34 @@ void eachStep(const network::NetworkWeights& weights, std::span<const Sequence> 
   }
 }
 
-Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequence> sequences, Role role) {
+/// `weigh(regressors, target)`: by how much a step counts.
+template <typename Weigh>
+Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequence> sequences, Role role,
+                  Weigh weigh) {
+  // Many steps at a time: the product of two tall matrices does not read all sums anew for every step.
+  constexpr Eigen::Index kSteps = 256;
   const auto columns = static_cast<Eigen::Index>(weights.linear_lags.size()) * weights.feature_mean.size();
+  const Eigen::Index outputs = weights.output_mean.size();
   Moments sums{.regressors = Eigen::MatrixXd::Zero(columns, columns),
-               .targets = Eigen::MatrixXd::Zero(columns, weights.output_mean.size())};
-  eachStep(weights, sequences, role, [&](const Eigen::VectorXd& regressors, const auto& target) {
-    sums.regressors.selfadjointView<Eigen::Lower>().rankUpdate(regressors);
-    sums.targets += regressors * target;
-    sums.samples += 1.0;
+               .targets = Eigen::MatrixXd::Zero(columns, outputs)};
+  Eigen::MatrixXd regressors(columns, kSteps);
+  Eigen::MatrixXd targets(kSteps, outputs);
+  Eigen::Index filled = 0;
+  const auto take = [&] {
+    sums.regressors.selfadjointView<Eigen::Lower>().rankUpdate(regressors.leftCols(filled));
+    sums.targets += regressors.leftCols(filled) * targets.topRows(filled);
+    filled = 0;
+  };
+  eachStep(weights, sequences, role, [&](const Eigen::VectorXd& of_step, const auto& target) {
+    const double weight = weigh(of_step, target);
+    regressors.col(filled) = std::sqrt(weight) * of_step;
+    targets.row(filled) = std::sqrt(weight) * target;
+    sums.samples += weight;
+    if (++filled == kSteps) {
+      take();
+    }
   });
+  take();
   sums.regressors = Eigen::MatrixXd(sums.regressors.selfadjointView<Eigen::Lower>());
   return sums;
 }
@@ -76,15 +99,25 @@ const std::vector<int>& usualLags() {
   return lags;
 }
 
-void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences) {
-  const Moments training = momentsOf(weights, sequences, Role::kTrain);
-  const Moments validation = momentsOf(weights, sequences, Role::kValidation);
-  Eigen::MatrixXd best = solve(training, kRidges.front());
+void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences, Loss loss) {
+  const auto alike = [](const auto&, const auto&) { return 1.0; };
+  const Moments training = momentsOf(weights, sequences, Role::kTrain, alike);
+  const Moments validation = momentsOf(weights, sequences, Role::kValidation, alike);
+  double chosen = kRidges.front();
+  Eigen::MatrixXd best = solve(training, chosen);
   for (const double ridge : kRidges) {
     const Eigen::MatrixXd solution = solve(training, ridge);
     if (squaresLeft(validation, solution) < squaresLeft(validation, best)) {
       best = solution;
+      chosen = ridge;
     }
+  }
+  for (int pass = 0; loss == Loss::kAbsolute && pass < kReweightings; ++pass) {
+    const auto inverseError = [&](const Eigen::VectorXd& regressors, const auto& target) {
+      const double error = (best.transpose() * regressors - target.transpose()).cwiseAbs().mean();
+      return 1.0 / std::max(error, kSmallestError);
+    };
+    best = solve(momentsOf(weights, sequences, Role::kTrain, inverseError), chosen);
   }
   weights.linear_weight = best.transpose().cast<float>();
   Eigen::VectorXd largest = Eigen::VectorXd::Constant(best.cols(), kSmallestBound / kBoundMargin);
@@ -110,7 +143,7 @@ network::NetworkWeights linearNetwork(std::span<const Sequence> sequences, netwo
                [](const std::string&, auto& tensor, Eigen::Index rows, Eigen::Index cols) {
                  tensor = std::decay_t<decltype(tensor)>::Zero(rows, cols);
                });
-  fitLinearPath(frame, sequences);
+  fitLinearPath(frame, sequences, Loss::kSquared);
   return frame;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/train/sequence.hpp"
+#include "tools/train/trainer.hpp"
 
 namespace patella::train {
 
@@ -16,8 +17,11 @@ const std::vector<int>& usualLags();
 /// validation where there is any, linear.bound a quarter more than the largest that it says over the trained
 /// steps, and output.weight and output.bias zeros: what the network says is what is linear, until it has
 /// learned more. There is no constant: where the path is not believed, the mean of the target is left. Past
-/// steps are those of the sequence, its first standing in for what came before it.
-void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences);
+/// steps are those of the sequence, its first standing in for what came before it. `loss` absolute: the sum
+/// of absolute errors is least in place of that of squares (iteratively reweighted least squares), both
+/// outputs of a step together.
+void fitLinearPath(network::NetworkWeights& weights, std::span<const Sequence> sequences,
+                   Loss loss = Loss::kSquared);
 
 /// A network that says nothing but what its linear path, of the usual lags, does. `frame` as of frameOf().
 network::NetworkWeights linearNetwork(std::span<const Sequence> sequences, network::NetworkWeights frame);

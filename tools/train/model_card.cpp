@@ -42,6 +42,7 @@ std::string optionsText(const TrainingOptions& o) {
                         {"initialisation", initialisationNames()[static_cast<std::size_t>(o.initialisation)]},
                         {"learning_rate", o.learning_rate},
                         {"linear_lags", o.linear_lags},
+                        {"linear_loss", o.linear_loss == Loss::kSquared ? "squared" : "absolute"},
                         {"loss", o.loss == Loss::kSquared ? "squared" : "absolute"},
                         {"patience", o.patience},
                         {"seed", o.seed},

@@ -73,10 +73,24 @@ Rows smoothed(const Observed& observed, const app::RunConfig& config, const Prep
   return result;
 }
 
+Rows published(const Recording& recording, Segment rows) {
+  if (recording.unknown_rad_s2[0].empty()) {
+    throw std::invalid_argument(recording.name +
+                                ": holds no true f_u, expected the run folder of a simulated rig");
+  }
+  const auto count = static_cast<Eigen::Index>(rows.end - rows.first);
+  Rows truth(count, recording.joints);
+  for (Eigen::Index joint = 0; joint < truth.cols(); ++joint) {
+    const auto& values = recording.unknown_rad_s2[static_cast<std::size_t>(joint)];
+    truth.col(joint) = Eigen::Map<const Eigen::VectorXd>(values.data() + rows.first, count);
+  }
+  return truth;
+}
+
 }  // namespace
 
 const std::vector<std::string>& targetNames() {
-  static const std::vector<std::string> names = {"raw", "filtered", "smoothed"};
+  static const std::vector<std::string> names = {"raw", "filtered", "smoothed", "truth"};
   return names;
 }
 
@@ -206,6 +220,7 @@ std::vector<Sequence> prepare(const Recording& recording, const app::RunConfig& 
     const Observed observed = observe(front, recording, rows, has_velocity);
     const Rows reference = options.target == Target::kRaw        ? observed.f_s
                            : options.target == Target::kFiltered ? observed.f_s_filtered
+                           : options.target == Target::kTruth    ? published(recording, rows)
                                                                  : smoothed(observed, config, options);
     Sequence sequence = makeSequence(observed, reference, at_rate);
     sequence.rate_Hz = options.rate_Hz;

@@ -17,9 +17,10 @@ enum class Target : std::uint8_t {
   kRaw,       ///< the observer's f_s as it comes
   kFiltered,  ///< behind the loop's low-pass
   kSmoothed,  ///< in the light of the whole recording
+  kTruth,     ///< as a simulated rig publishes it
 };
 
-/// As written on the command line: raw, filtered, smoothed.
+/// As written on the command line: raw, filtered, smoothed, truth.
 const std::vector<std::string>& targetNames();
 
 /// Names of features, in the order of the network's inputs. `paper`: angles, velocities, time. `deployable`:

@@ -118,11 +118,12 @@ std::string identityOf(std::span<const Sequence> sequences, const network::Netwo
       "{}, "
       "loss {}, stopping {}, patience {}, epochs {}, batch {}, steps {}, burn-in {}, learning rate {}, decay "
       "{}, "
-      "seed {}, threads {}, initialisation {} {}, linear lags {}, libtorch {}",
+      "seed {}, threads {}, initialisation {} {}, linear lags {} by loss {}, libtorch {}",
       data.value(), frame.rate_Hz, static_cast<int>(frame.output), o.layers, o.hidden, o.channels, o.heads,
       o.window, static_cast<int>(o.attention_scale), static_cast<int>(o.loss), static_cast<int>(o.stopping),
       o.patience, o.epochs, o.batch, o.sequence_steps, o.burn_in, o.learning_rate, o.weight_decay, o.seed,
-      o.threads, static_cast<int>(o.initialisation), o.turn_s, fmt::join(o.linear_lags, " "), TORCH_VERSION);
+      o.threads, static_cast<int>(o.initialisation), o.turn_s, fmt::join(o.linear_lags, " "),
+      static_cast<int>(o.linear_loss), TORCH_VERSION);
 }
 
 }  // namespace patella::train

@@ -147,7 +147,7 @@ class Training {
       spreadGates(frame, sequences, options.turn_s, options.seed);
     }
     if (!frame.linear_lags.empty()) {
-      fitLinearPath(frame, sequences);
+      fitLinearPath(frame, sequences, options.linear_loss);
     }
     network::checkWeights(frame);
     return frame;

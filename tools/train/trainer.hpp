@@ -46,6 +46,7 @@ struct TrainingOptions {
   network::AttentionScale attention_scale = network::AttentionScale::kInvSqrt;
   /// Lags of the linear path beside LSTM and attention, in steps; empty: no such path.
   std::vector<int> linear_lags{};
+  Loss linear_loss = Loss::kSquared;  ///< what that path makes least
   Initialisation initialisation = Initialisation::kPytorch;
   double turn_s = 2.0;  ///< of spreadGates()
   Loss loss = Loss::kSquared;

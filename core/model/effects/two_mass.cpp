@@ -17,8 +17,7 @@ inline double transmittedBy(const TwoMassParameters& parameters, double twist_ra
                             double rate_rad_s) noexcept {
   const double play_rad = 0.5 * parameters.gap_rad;
   const double beyond_rad = twist_rad - std::clamp(twist_rad, -play_rad, play_rad);
-  const double torque_Nm =
-      parameters.stiffness_Nm_rad * beyond_rad + parameters.damping_Nms_rad * rate_rad_s;
+  const double torque_Nm = parameters.stiffness_Nm_rad * beyond_rad + parameters.damping_Nms_rad * rate_rad_s;
   if (parameters.pulls) {
     return torque_Nm;
   }

@@ -339,7 +339,10 @@ TEST_CASE("a choice that there is not") {
        {"adult.toml:{line}: key 'loop.clock': value 'sundial', expected one of 'monotonic', 'virtual'"},
        {}},
       {"compensation by a network that is not given",
-       replaced(kConfig, "compensation_source = \"sampler\"", "compensation_source = \"network\""),
+       [](Workshop& workshop) {
+         workshop.replace(kConfig, "weights = ", "# weights = ");
+         workshop.replace(kConfig, "compensation_source = \"sampler\"", "compensation_source = \"network\"");
+       },
        {"adult.toml:{line}: key 'control.compensation_source': value 'network'", "no weights are given"},
        {}},
       {"interaction of the rig",

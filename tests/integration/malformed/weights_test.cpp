@@ -123,6 +123,25 @@ TEST_CASE("weights that are no safetensors file") {
   });
 }
 
+TEST_CASE("the network of the default configuration, missing or damaged, is named") {
+  static constexpr const char* kShipped = "firmware_app/config/weights/demonstration.safetensors";
+  expectRefused({
+      {"missing", removed(kShipped), {"demonstration.safetensors: cannot be opened: No such file"}, {}},
+      {"cut off",
+       [](Workshop& workshop) { workshop.write(kShipped, workshop.read(kShipped).substr(0, 20'000)); },
+       {"demonstration.safetensors: tensor '", "data_offsets", "not within"},
+       {}},
+      {"one bit flipped",
+       [](Workshop& workshop) {
+         std::string bytes = workshop.read(kShipped);
+         bytes.back() = static_cast<char>(bytes.back() ^ 1);
+         workshop.write(kShipped, bytes);
+       },
+       {"demonstration.safetensors: is damaged: its digest"},
+       {}},
+  });
+}
+
 TEST_CASE("weights without a digest are used, and check, run and summary say what that means") {
   Workshop workshop;
   save(workshop, tinyNetwork({"q1_rad", "q2_rad"}, 2));

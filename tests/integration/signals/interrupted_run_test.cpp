@@ -11,9 +11,12 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <pty.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <termios.h>
+#include <unistd.h>
 #include <utmp.h>
 
 #include "tests/integration/runs/loop_process.hpp"

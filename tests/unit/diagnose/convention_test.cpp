@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "tools/diagnose/checks/convention_search.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/unit/diagnose/recordings.hpp"
-#include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
@@ -74,10 +74,11 @@ TEST_CASE("a torque that the given parameters take up is revealed at no size tha
 
 TEST_CASE("what nothing explains has to be outweighed") {
   const Detectable shape{.in_noise = 0.1, .own_share = 0.5, .unit_Nm = 1.0};
-  const double above_chance = 0.1 * (1.0 + kFourInFive / 4.0) * 2.0;
+  const double above_chance = 0.1 * (1.0 + shown::kFourInFive / 4.0) * 2.0;
   CHECK(smallestTorque_Nm(shape, kThreshold, 2.0, 0.0) == doctest::Approx(above_chance));
-  CHECK(smallestTorque_Nm(shape, kThreshold, 2.0, 3.0) ==
-        doctest::Approx((kOverRest + kFourInFive / std::sqrt(kLooks)) * 3.0 / 0.5));
+  CHECK(
+      smallestTorque_Nm(shape, kThreshold, 2.0, 3.0) ==
+      doctest::Approx((asserted::kOverRest + shown::kFourInFive / std::sqrt(asserted::kLooks)) * 3.0 / 0.5));
 }
 
 TEST_CASE("a torque of no shape of its own is never revealed") {

@@ -62,6 +62,22 @@ TEST_CASE("time is the encoder's: ticks without a sample go, lost samples are br
   CHECK(recording.warnings[0] == "1 lost samples were interpolated");
 }
 
+TEST_CASE("the true f_u of a simulated rig is read where it is asked for, and required then") {
+  const std::string header = std::string(kHeader) + ",f_true1_rad_s2";
+  const auto rows = csv(header.c_str(), 200, [](int i) {
+    return tick(i) + "," + (i == 0 || i == 70 ? std::string() : fmt::format("{}", 0.5 * i));
+  });
+  CHECK(loaded(rows).unknown_rad_s2[0].empty());
+  const Recording recording = loaded(rows, {.joints = 1, .truth = true});
+  CHECK(recording.rows() == 199);
+  CHECK(recording.unknown_rad_s2[0][0] == 0.5);  // the first that came
+  CHECK(recording.unknown_rad_s2[0][69] == 34.5);
+  CHECK(recording.unknown_rad_s2[0][70] == 34.5);  // none came: that of the tick before
+  CHECK(recording.unknown_rad_s2[0][71] == 35.5);
+  CHECK_THROWS_WITH_AS(loaded(csv(kHeader, 200, [](int i) { return tick(i); }), {.joints = 1, .truth = true}),
+                       doctest::Contains("f_true1_rad_s2"), app::FileError);
+}
+
 TEST_CASE("an encoder slower than the loop sets the rate") {
   const Recording recording =
       loaded(csv(kHeader, 400, [](int i) { return tick(i - i % 2, i % 2 == 0 ? 1 : 0); }));

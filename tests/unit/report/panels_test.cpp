@@ -25,6 +25,20 @@ const Figure* find(const std::vector<Figure>& figures, const std::string& title)
 
 }  // namespace
 
+TEST_CASE("where the truth is known the network's error stands beside the sampler's, with its mean") {
+  const std::string csv =
+      "t_s,f_true1_rad_s2,f_s1_rad_s2,f_s_filtered1_rad_s2,f_network1_rad_s2\n0,1,3,0,\n1,1,-1,0,1.5\n2,1,3,"
+      "0,0.5\n";
+  const auto figures = panelsOf(csv);
+  const Figure* errors = find(figures, "Error of f_u, joint 1");
+  REQUIRE(errors != nullptr);
+  REQUIRE(errors->series.size() == 3);
+  CHECK(errors->series[0].label == "sampler, mean 2");
+  CHECK(errors->series[1].label == "sampler, filtered, mean 1");
+  CHECK(errors->series[2].label == "network, mean 0.5");
+  CHECK(find(panelsOf("t_s,f_true1_rad_s2,f_s1_rad_s2\n0,1,3\n1,1,2\n"), "Error of f_u") == nullptr);
+}
+
 TEST_CASE("only what was recorded is drawn") {
   const std::vector<Figure> figures = panelsOf("t_s,q1_rad,ref1_rad,emg1_mV\n0,1,,0\n0.5,2,1,0\n1,3,1,0\n");
   REQUIRE(figures.size() == 1);

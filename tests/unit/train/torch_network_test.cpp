@@ -1,6 +1,9 @@
 // The trained network is the one that runs in the loop.
 #include "tools/train/torch_network.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include <doctest/doctest.h>
 
 #include "core/network/attention_lstm.hpp"
@@ -96,4 +99,29 @@ TEST_CASE("what is linear in the past is found before the first pass, and is all
   initialise(beside, {.inputs = 2, .hidden = 16, .layers = 1, .channels = 8, .outputs = 1}, 3);
   fitLinearPath(beside, sequences);
   CHECK((streamed(beside, sequences[1].features) - outputs).cwiseAbs().maxCoeff() < 1e-6);
+}
+
+TEST_CASE("a linear path of least absolute errors is not drawn to the few steps of another law") {
+  std::vector<Sequence> sequences = madeUpSequences(4, 400);
+  for (Sequence& sequence : sequences) {
+    sequence.reference = 2.0 * (sequence.features.col(0).array() - 5.0).matrix();
+    for (Eigen::Index step = 0; step < sequence.steps(); step += 10) {
+      sequence.reference.row(step) *= 20.0;
+    }
+  }
+  const auto medianError = [&](Loss loss) {
+    network::NetworkWeights weights = madeUpFrame(sequences);
+    weights.linear_lags = {0};
+    weights.heads = 2;
+    initialise(weights, {.inputs = 2, .hidden = 16, .layers = 1, .channels = 8, .outputs = 1}, 3);
+    fitLinearPath(weights, sequences, loss);
+    const Rows outputs = streamed(weights, sequences[1].features);
+    std::vector<double> errors;
+    for (Eigen::Index step = 0; step < outputs.rows(); ++step) {
+      errors.push_back(std::abs(outputs(step, 0) - sequences[1].reference(step, 0)));
+    }
+    std::nth_element(errors.begin(), errors.begin() + 200, errors.end());
+    return errors[200];
+  };
+  CHECK(medianError(Loss::kAbsolute) < 0.2 * medianError(Loss::kSquared));
 }

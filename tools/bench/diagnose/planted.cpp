@@ -24,7 +24,7 @@
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {

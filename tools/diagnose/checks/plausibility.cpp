@@ -8,13 +8,10 @@
 
 #include "tools/diagnose/checks/convention_search.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-constexpr std::size_t kFewestRows = 200;
-constexpr std::size_t kFewestPostures = 10;
 
 [[noreturn]] void refuse(const Recording& recording, const std::string& reason) {
   throw std::invalid_argument(recording.name + ": " + reason);
@@ -57,25 +54,26 @@ void requireSegments(const Recording& recording) {
 
 void requireLength(const Recording& recording) {
   if (recording.is_static) {
-    if (recording.rows() < kFewestPostures) {
-      refuse(recording, fmt::format("{} postures, expected at least {}", recording.rows(), kFewestPostures));
+    if (recording.rows() < readable::kFewestPostures) {
+      refuse(recording,
+             fmt::format("{} postures, expected at least {}", recording.rows(), readable::kFewestPostures));
     }
     return;
   }
   if (!(recording.rate_Hz > 0.0) || !std::isfinite(recording.rate_Hz)) {
     refuse(recording, fmt::format("rate {} Hz, expected a positive one", recording.rate_Hz));
   }
-  if (recording.rows() < kFewestRows) {
-    refuse(recording, fmt::format("{} rows, expected at least {}", recording.rows(), kFewestRows));
+  if (recording.rows() < readable::kFewestRows) {
+    refuse(recording, fmt::format("{} rows, expected at least {}", recording.rows(), readable::kFewestRows));
   }
   double longest_s = 0.0;
   for (const Segment& segment : recording.segments) {
     longest_s = std::max(longest_s, static_cast<double>(segment.end - segment.first) / recording.rate_Hz);
   }
-  if (longest_s < Dataset::kShortest_s) {
+  if (longest_s < readable::kShortest_s) {
     refuse(recording,
            fmt::format("its longest stretch without a gap takes {:.3g} s, expected at least {:.3g} s",
-                       longest_s, Dataset::kShortest_s));
+                       longest_s, readable::kShortest_s));
   }
 }
 
@@ -100,7 +98,7 @@ void requireSignals(const Recording& recording, const model::ModelDescription& m
 
 // The band that the motion takes, as far as differences between samples tell it.
 void requireRate(const Recording& recording) {
-  const double needed_Hz = motionBand_Hz(std::span(&recording, 1)) / kBandShareOfRate;
+  const double needed_Hz = motionBand_Hz(std::span(&recording, 1)) / readable::kBandShareOfRate;
   if (recording.rate_Hz < needed_Hz) {
     refuse(recording,
            fmt::format("sampled at {:.3g} Hz, which is too slow for accelerations; at least {:.0f} Hz are "

@@ -8,7 +8,7 @@
 #include <Eigen/Dense>
 
 #include "tools/diagnose/regression/elementary.hpp"
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -168,7 +168,7 @@ std::vector<bool> Reader::restOf(const Columns& columns) const {
   const double fastest = *std::max_element(speed.begin(), speed.end());
   std::vector<bool> rest;
   for (const double one : speed) {
-    rest.push_back(one < kAtRest * fastest);
+    rest.push_back(one < motion::kLeastShareOfOther * fastest);
   }
   return rest;
 }
@@ -178,7 +178,7 @@ bool Reader::moves() const {
   for (int joint = 0; joint < data_.joints(); ++joint) {
     fastest = std::max(fastest, jointRms(data_, own_.effects.col(joint * kPlainKinds + kViscous), joint));
   }
-  return fastest > kLeastVelocity_rad_s;
+  return fastest > motion::kLeastVelocity_rad_s;
 }
 
 Reading Reader::asGiven() const {

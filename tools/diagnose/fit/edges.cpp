@@ -7,14 +7,10 @@
 
 #include "tools/diagnose/effects/recipe_names.hpp"
 #include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Share of a range within which a value stands at its end.
-constexpr double kNearBound = 0.02;
-/// Square of the standard deviations by which a coefficient at zero would have to be negative.
-constexpr double kPulled = 9.0;
 
 // Whether a coefficient at zero would gain more by a negative value than chance brings.
 bool pulledBelow(const ModelFit& fit, Eigen::Index index) {
@@ -32,7 +28,7 @@ bool pulledBelow(const ModelFit& fit, Eigen::Index index) {
   const Eigen::VectorXd rest = own - tangent * tangent.completeOrthogonalDecomposition().solve(own);
   const double pull = rest.dot(target);
   const double chance = fit.prior_scale * fit.prior_scale;
-  return pull < 0.0 && pull * pull > kPulled * chance * rest.squaredNorm();
+  return pull < 0.0 && pull * pull > accepted::kContradicted * chance * rest.squaredNorm();
 }
 
 }  // namespace
@@ -47,7 +43,8 @@ std::vector<Edge> edgesOf(const ModelFit& fit) {
     for (std::size_t i = 0; i < term.c.size() && !term.declared; ++i) {
       const Eigen::Index index = fit.offset[t] + static_cast<Eigen::Index>(i);
       const double size = std::abs(term.c[i]) * fit.tangent.col(index).norm();
-      if (recipe.nonnegative[i] && size < kNextToNothing * fit.residual.norm() && pulledBelow(fit, index)) {
+      if (recipe.nonnegative[i] && size < accepted::kNextToNothing * fit.residual.norm() &&
+          pulledBelow(fit, index)) {
         edges.push_back({recipe.label(), "sign: " + coefficientName(recipe, term.nu, i)});
       } else if (std::abs(term.c[i]) >= recipe.largest) {
         edges.push_back({recipe.label(), "range: " + coefficientName(recipe, term.nu, i)});
@@ -59,7 +56,7 @@ std::vector<Edge> edgesOf(const ModelFit& fit) {
     }
     for (std::size_t k = 0; k < term.nu.size() && !term.declared; ++k) {
       const NonlinearParameter& range = recipe.nonlinear[k];
-      const double near = kNearBound * (range.upper - range.lower);
+      const double near = accepted::kNearBound * (range.upper - range.lower);
       if ((!range.open_above && term.nu[k] > range.upper - near) ||
           (range.closed_below && term.nu[k] < range.lower + 0.1 * near)) {
         edges.push_back({recipe.label(), "range: " + shapeName(recipe, term.c, term.nu, k)});

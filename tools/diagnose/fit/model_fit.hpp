@@ -17,11 +17,9 @@
 #include "tools/diagnose/fit/edges.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/noise_model.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
-
-/// Share of the residual: a coefficient whose torque is less is zero.
-inline constexpr double kNextToNothing = 1e-3;
 
 /// An effect in the fit.
 struct Term {
@@ -51,8 +49,8 @@ struct ModelFit {
 };
 
 struct FitOptions {
-  double nominal_tolerance = 0.10;
-  double declared_tolerance = 0.10;
+  double nominal_tolerance = runaway::kTolerance;
+  double declared_tolerance = runaway::kTolerance;
   int rounds = 2;  ///< estimates of the noise's scale and of the parameters in turn
 };
 

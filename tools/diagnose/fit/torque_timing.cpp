@@ -8,17 +8,10 @@
 #include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Standard deviations that the half period has to be away from none.
-constexpr double kSure = 2.0;
-/// Half periods: below, the torque was held; above, something else makes the motion come early.
-constexpr double kLeast = 0.5;
-constexpr double kMost = 1.5;
-/// Standard deviation up to which a joint can tell.
-constexpr double kTells = 0.45;
 
 std::vector<Recording> sampled(std::span<const Recording> recordings) {
   std::vector<Recording> changed(recordings.begin(), recordings.end());
@@ -93,15 +86,15 @@ std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
   for (Eigen::Index joint = 0; joint < halves.value.size(); ++joint) {
     const double value = halves.value[joint], deviation = halves.deviation[joint];
     // A joint of which the motion says little has no vote.
-    if (deviation < kTells) {
-      if (value < kLeast || value > kMost) {
+    if (deviation < torque_timing::kTells) {
+      if (value < torque_timing::kLeast || value > torque_timing::kMost) {
         return unchanged;
       }
       weighted += value / (deviation * deviation);
       weight += 1.0 / (deviation * deviation);
     }
   }
-  if (weighted <= kSure * std::sqrt(weight)) {
+  if (weighted <= torque_timing::kSure * std::sqrt(weight)) {
     return unchanged;
   }
   other.front().warnings.emplace_back(

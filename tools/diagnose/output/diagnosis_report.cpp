@@ -11,7 +11,7 @@
 #include "tools/diagnose/output/selection_figures.hpp"
 #include "tools/diagnose/output/time_figures.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
-#include "tools/diagnose/verdict/runaways.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
 
@@ -106,8 +106,9 @@ std::string numberAt(const std::vector<double>& values, std::size_t joint) {
 /// Error over torque of a joint in percent, or a dash.
 std::string percentAt(const std::vector<double>& relative, std::size_t joint) {
   constexpr double kPercent = 100.0;
-  return joint < relative.size() && relative[joint] < kNoTorque ? shortNumber(kPercent * relative[joint])
-                                                                : "–";
+  return joint < relative.size() && relative[joint] < runaway::kNoTorque
+             ? shortNumber(kPercent * relative[joint])
+             : "–";
 }
 
 Table errorTable(const Diagnosis& diagnosis) {

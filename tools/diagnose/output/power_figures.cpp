@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -40,7 +40,7 @@ Figure powerFigure(const Diagnosis& diagnosis, int joint) {
     figure.bars.push_back({.row = row,
                            .from = 0.0,
                            .to = percent,
-                           .colour = revealed.share_of_torque > kMaterialRest ? kWeak : kShows});
+                           .colour = revealed.share_of_torque > unknown::kMaterialRest ? kWeak : kShows});
     const ParameterName parameter = splitName(revealed.parameter, unitsOf(diagnosis));
     figure.row_notes.push_back(
         {.row = row,

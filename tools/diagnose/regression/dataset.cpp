@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "tools/diagnose/regression/judgement_limits.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/signals/signals.hpp"
 #include "tools/signals/spectral_lines.hpp"
 
@@ -177,7 +177,7 @@ double motionBand_Hz(std::span<const Recording> recordings) {
   for (const Recording& recording : recordings) {
     for (const Segment& segment : recording.segments) {
       if (recording.is_static ||
-          static_cast<double>(segment.end - segment.first) < Dataset::kShortest_s * recording.rate_Hz) {
+          static_cast<double>(segment.end - segment.first) < readable::kShortest_s * recording.rate_Hz) {
         continue;
       }
       for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
@@ -206,7 +206,7 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
       const double duration_s = static_cast<double>(segment.end - segment.first) / recording.rate_Hz;
       if (is_static_) {
         series_.push_back(restingSeries(recording, segment));
-      } else if (duration_s >= kShortest_s) {
+      } else if (duration_s >= readable::kShortest_s) {
         series_.push_back(movingSeries(recording, segment, options));
       } else {
         continue;
@@ -221,7 +221,7 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
   if (is_static_) {
     rate_Hz_ = 1.0;
   } else {
-    band_Hz_ = std::min(options.band_Hz, kBandShareOfRate * lowest_rate_Hz);
+    band_Hz_ = std::min(options.band_Hz, readable::kBandShareOfRate * lowest_rate_Hz);
     const double rate_Hz = series_.front().rate_Hz;
     rate_Hz_ = rate_Hz / static_cast<double>(decimation(rate_Hz));
   }

@@ -58,9 +58,9 @@ struct Block {
 
 class Dataset {
  public:
-  /// Stretches shorter than `kShortest_s` are left out. Throws std::invalid_argument where nothing remains.
+  /// Stretches shorter than readable::kShortest_s are left out. Throws std::invalid_argument where nothing
+  /// remains.
   Dataset(std::span<const Recording> recordings, const DatasetOptions& options);
-  static constexpr double kShortest_s = 2.0;
 
   int joints() const noexcept { return joints_; }
   /// Number of one joint's rows.

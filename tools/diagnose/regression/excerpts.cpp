@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/regression/judgement_limits.hpp"
-
 namespace patella::diagnose {
 namespace {
 

@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "tools/diagnose/regression/sensor_noise.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Below this share of its load a joint is not driven: the torque column is a sensor's zero.
-constexpr double kDriven = 0.05;
-/// Times the declared variance that a person's pushes may have in one recording.
-constexpr double kPush = 2.0;
 
 double rms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column, int joint) {
   return column.segment(joint * data.rows(), data.rows()).norm() /
@@ -48,7 +44,7 @@ std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mech
   const std::vector<double> loads = loads_Nm(data, mechanism);
   std::vector<bool> driven;
   for (int joint = 0; joint < data.joints(); ++joint) {
-    driven.push_back(rms(data, torque, joint) > kDriven * loads[static_cast<std::size_t>(joint)]);
+    driven.push_back(rms(data, torque, joint) > motion::kDriven * loads[static_cast<std::size_t>(joint)]);
   }
   return driven;
 }
@@ -72,7 +68,7 @@ std::vector<double> knownNoise_Nm(std::span<const Recording> recordings, const m
                                   double band_Hz, std::span<const double> person_Nm) {
   std::vector<double> noise_Nm = sensorNoise_Nm(recordings, mechanism, band_Hz);
   for (std::size_t j = 0; j < std::min(noise_Nm.size(), person_Nm.size()); ++j) {
-    noise_Nm[j] = std::hypot(noise_Nm[j], std::sqrt(kPush) * person_Nm[j]);
+    noise_Nm[j] = std::hypot(noise_Nm[j], std::sqrt(unknown::kPush) * person_Nm[j]);
   }
   return noise_Nm;
 }

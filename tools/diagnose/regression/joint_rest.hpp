@@ -9,10 +9,6 @@
 
 namespace patella::diagnose {
 
-/// Share of a joint's torque (rms) that a model may leave beyond noise and still be said to lack nothing but
-/// what was found: machines leave a tenth to a fifth with the best model of them.
-inline constexpr double kMaterialRest = 0.2;
-
 /// rms values below the band's edge, N·m (N on a rail).
 struct JointRest {
   double torque_Nm = 0.0;  ///< of the drive; of the load that the model has, where the joint is not driven

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -44,7 +45,7 @@ SplitRecordings split(std::span<const Recording> recordings, double heldout_frac
       }
       const auto length = static_cast<double>(segment.end - segment.first);
       const auto cut = segment.first + static_cast<std::size_t>((1.0 - heldout_fraction) * length);
-      const double shortest = Dataset::kShortest_s * recording.rate_Hz;
+      const double shortest = readable::kShortest_s * recording.rate_Hz;
       if (heldout_fraction * length < shortest || (1.0 - heldout_fraction) * length < shortest) {
         train.segments.push_back(segment);
       } else {

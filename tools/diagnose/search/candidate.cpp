@@ -5,12 +5,11 @@
 
 #include <Eigen/Dense>
 
+#include "tools/diagnose/thresholds.hpp"
+
 namespace patella::diagnose {
 namespace {
 
-/// Share of a column's square that other effects may fail to give, and still be said to give it. Two signs of
-/// a velocity that are smoothed differently stay below; a friction with a shape of its own does not.
-constexpr double kRepeated = 2e-3;
 /// Not at the bound itself, from which a derivative by ν would vanish.
 constexpr double kOffTheBound = 1e-3;
 
@@ -45,7 +44,7 @@ std::vector<bool> ownCoefficients(const Eigen::MatrixXd& basis, const Eigen::Mat
   for (Eigen::Index k = 0; k < basis.cols(); ++k) {
     const Eigen::VectorXd rest =
         basis.col(k) - others * length.cwiseInverse().asDiagonal() * decomposition.solve(basis.col(k));
-    own[static_cast<std::size_t>(k)] = rest.squaredNorm() > kRepeated * basis.col(k).squaredNorm();
+    own[static_cast<std::size_t>(k)] = rest.squaredNorm() > accepted::kRepeated * basis.col(k).squaredNorm();
   }
   return own;
 }

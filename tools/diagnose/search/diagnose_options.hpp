@@ -10,6 +10,7 @@
 #include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/selection.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 
@@ -19,11 +20,11 @@ struct DiagnoseOptions {
   std::uint64_t seed = 1;
   int bootstrap_replicates = 499;
   /// Standard deviation, relative, by which the nominal masses, centres of mass and inertias may be wrong.
-  double nominal_tolerance = 0.10;
+  double nominal_tolerance = runaway::kTolerance;
   /// rms of what a person pushes with, N·m, joint by joint, as who made the recording declares it; empty:
   /// nobody pushes.
   std::vector<double> person_Nm{};
-  double family_wise_p = 0.005;  ///< a step is accepted below this
+  double family_wise_p = accepted::kFamilyWiseP;  ///< a step is accepted below this
   Gates gates;
   /// Called from the diagnosing thread at each stage and in between; fraction 0…1 of the stage.
   std::function<void(std::string_view stage, double fraction)> progress;

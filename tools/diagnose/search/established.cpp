@@ -7,16 +7,15 @@
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
 #include "tools/diagnose/search/gates.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-constexpr double kKnown = 10.0;
-
 bool isUnknown(const ParameterEstimate& estimate) {
   const double half = estimate.by_factor ? std::log(estimate.ci95[1] / estimate.value)
                                          : (estimate.ci95[1] - estimate.value) / std::abs(estimate.value);
-  return half > kKnown;
+  return half > holds::kUnknown;
 }
 
 bool holdsZero(const ParameterEstimate& estimate) {

@@ -9,19 +9,13 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-/// Periods over the joint's range from which on a ripple is told from a bend.
-constexpr double kPlainCycles = 2.5;
-/// Standard deviations over persons from which on a published slope is none any more.
-constexpr double kAnotherSlope = 1.25;
 /// A spring that hardens, softens or stops bends like a polynomial of this order.
 constexpr int kSmoothOrder = 5;
-/// −2 log likelihood by which a ripple of fewer periods has to explain more than such a spring, though it
-/// has no more parameters: four standard deviations.
-constexpr double kToldApart = 16.0;
 
 struct Range {
   double low;
@@ -45,14 +39,16 @@ Range positionRange(const Dataset& data, int joint) {
 bool bends(const Dataset& data, const Term& term) {
   if (term.recipe->kind == "passive_knee_moment") {
     for (std::size_t k = 0; k < term.nu.size(); ++k) {
-      if (!data.isStatic() && std::abs(term.nu[k]) > kAnotherSlope * term.recipe->nonlinear[k].spread) {
+      if (!data.isStatic() &&
+          std::abs(term.nu[k]) > asserted::kAnotherSlope * term.recipe->nonlinear[k].spread) {
         return true;
       }
     }
     return false;
   }
   const Range range = positionRange(data, term.recipe->joint);
-  return term.recipe->kind == "torque_ripple" && term.nu[0] * (range.high - range.low) < kPlainCycles;
+  return term.recipe->kind == "torque_ripple" &&
+         term.nu[0] * (range.high - range.low) < asserted::kPlainCycles;
 }
 
 // Torque of these terms as the fit has it, as a Column.
@@ -112,7 +108,7 @@ double errorWith(const ModelFit& fit, const std::vector<std::size_t>& terms, con
 bool smoothDoes(const Dataset& data, const ModelFit& fit, const std::vector<std::size_t>& terms, int joint) {
   const double named = fit.weighting->apply(fit.residual).squaredNorm() + fit.prior_residual.squaredNorm();
   return errorWith(fit, terms, polynomial(data, joint)) - named <
-         kToldApart * fit.prior_scale * fit.prior_scale;
+         rivals::kAlike * fit.prior_scale * fit.prior_scale;
 }
 
 }  // namespace

@@ -5,13 +5,10 @@
 #include <utility>
 
 #include "tools/diagnose/fit/model_error.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-constexpr double kSmaller = 0.998;
-/// Squared standard deviations by which nominal parameters may make up for what is dropped.
-constexpr double kMoved = 4.0;
 
 double squaredPriorDistance(const ModelFit& fit) {
   return fit.prior_residual.squaredNorm() / std::pow(fit.prior_scale, 2);
@@ -26,7 +23,7 @@ std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& sel
   };
   std::vector<std::string> dropped;
   for (;;) {
-    double least = kSmaller * error(selection.fit);
+    double least = holds::kSmaller * error(selection.fit);
     std::optional<Selection> best;
     std::string label;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
@@ -37,7 +34,7 @@ std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& sel
       const double moved = squaredPriorDistance(smaller.fit) -
                            selection.fit.prior_residual.squaredNorm() / std::pow(smaller.fit.prior_scale, 2);
       const double left = error(smaller.fit);
-      if (left < least && moved < kMoved) {
+      if (left < least && moved < accepted::kMoved) {
         least = left;
         best = std::move(smaller);
         label = selection.fit.terms[t].recipe->label();

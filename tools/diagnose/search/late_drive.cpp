@@ -6,6 +6,7 @@
 
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/estimates.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -13,20 +14,11 @@ namespace {
 /// As far up as encoders let accelerations be known.
 constexpr DatasetOptions kFast{.smoothing_Hz = 100.0, .evaluation_rate_Hz = 1000.0, .band_Hz = 40.0};
 
-/// Share of a drive's torque that may be left unexplained at most. A controller answers what pushes the
-/// machine, a patient or a contact, and its answer passes for a late drive: both let torque follow on motion.
-/// Where little pushes, little is answered.
-constexpr double kUndisturbed = 0.05;
-
-/// Share of the square of what is left that the delay has to explain. The noise of fast motion is known
-/// less well than the tests suppose.
-constexpr double kMaterial = 0.05;
-
 bool undisturbed(const Dataset& data, const model::ModelDescription& explained, int joint) {
   model::DynamicsModel dynamics = model::makeModel(explained);
   const Column torque = data.driveTorque();
   return jointRms(data, torque - data.modelTorque(dynamics), joint) <
-         kUndisturbed * jointRms(data, torque, joint);
+         late_drive::kUndisturbed * jointRms(data, torque, joint);
 }
 
 // Fast motion holds few sinusoids, and what a controller answers is little here.
@@ -75,7 +67,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
     }
     const Term& term = found.fit.terms.back();
     if (jointRms(data, found.fit.residual, joint) >
-        std::sqrt(1.0 - kMaterial) * jointRms(data, nominal.residual, joint)) {
+        std::sqrt(1.0 - late_drive::kMaterial) * jointRms(data, nominal.residual, joint)) {
       continue;
     }
     const Eigen::MatrixXd covariance =

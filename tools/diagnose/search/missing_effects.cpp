@@ -12,14 +12,10 @@
 #include "tools/diagnose/search/friction_smoothing.hpp"
 #include "tools/diagnose/search/heldout_elimination.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Square of the standard deviations by which slow motion may speak against what fast motion says of a drive.
-constexpr double kContradicted = 9.0;
-/// Share of the held-out error that a delay may leave at most.
-constexpr double kShows = 0.99;
 
 bool isTiming(std::string_view kind) {
   return kind == "actuator_delay" || kind == "actuator_lag";
@@ -109,7 +105,7 @@ class Finder {
     ModelFitter fitter(recordings_.train, model, options_.fit());
     const ModelFit& fit = first.selection.fit;
     const double spoken_against = fitter.fit(fit, *fit.weighting).objective - fit.objective;
-    return spoken_against < kContradicted * fit.prior_scale * fit.prior_scale;
+    return spoken_against < accepted::kContradicted * fit.prior_scale * fit.prior_scale;
   }
 
   // A delay that fast motion asks for shows in the error of data that were not fitted. True where one was
@@ -126,7 +122,8 @@ class Finder {
     const Column with = errors(timed);
     return std::erase_if(late_, [&](const LateDrive& late) {
              const int joint = late.effect.joint;
-             const bool shows = jointRms(heldout, with, joint) < kShows * jointRms(heldout, without, joint);
+             const bool shows =
+                 jointRms(heldout, with, joint) < late_drive::kShows * jointRms(heldout, without, joint);
              if (!shows) {
                warnings_.push_back(
                    fmt::format("{}@{} explained fast motion, but not the held-out part: not added",

@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/free_function.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -51,7 +52,7 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
   for (;;) {
     const Joints with = leftBy(fitter, selection.fit);
     const std::vector<FreeFunction> functions = freeFunctions(fitter.data(), selection);
-    double least = kOverRest;
+    double least = asserted::kOverRest;
     std::optional<Selection> best;
     const Recipe* recipe = nullptr;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {

@@ -7,6 +7,7 @@
 #include "tools/diagnose/effects/recipe_names.hpp"
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/rugged_start.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 /// Candidates of a step that are fitted in full: the best of the screening, so many at most, as long as what
 /// their columns explain comes near the best fit so far.
 constexpr std::size_t kFittedCandidates = 10;
-constexpr double kNearBest = 0.3;
 
 // The coefficient that the screening, which knows no signs, would make most of where physics does not allow
 // its sign; empty where there is none.
@@ -66,7 +66,8 @@ double parametersInUse(const ModelFit& fit) {
     for (std::size_t i = 0; i < term.c.size(); ++i) {
       const Eigen::Index index = fit.offset[t] + static_cast<Eigen::Index>(i);
       const double size = std::abs(term.c[i]) * fit.tangent.col(index).norm();
-      count -= term.recipe->nonnegative[i] && size < kNextToNothing * fit.residual.norm() ? 1.0 : 0.0;
+      count -=
+          term.recipe->nonnegative[i] && size < accepted::kNextToNothing * fit.residual.norm() ? 1.0 : 0.0;
     }
   }
   return count;
@@ -147,7 +148,8 @@ Candidate* fitBest(ModelFitter& fitter, const ModelFit& current, double cost,
     if (!candidate.refused_because.empty()) {
       break;
     }
-    if (best != nullptr && candidate.score < kNearBest * (current.objective - best->fit->objective)) {
+    if (best != nullptr &&
+        candidate.score < accepted::kNearBest * (current.objective - best->fit->objective)) {
       break;
     }
     fitCandidate(fitter, current, cost, candidate);

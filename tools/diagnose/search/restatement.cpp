@@ -12,17 +12,10 @@
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/ranking.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// −2 log posterior, in units of chance, that is as good as equal.
-constexpr double kAsGood = 0.1;
-/// Share of what an effect explains that a simple one may leave where the effect is out of its range.
-constexpr double kRest = 0.1;
-/// Standard deviations by which two levels of friction differ, if they are two: as wide as the intervals that
-/// the user is shown.
-constexpr double kTwoLevels = 2.5;
 
 class Restatement {
  public:
@@ -73,7 +66,8 @@ class Restatement {
           best = std::move(simple);
         }
       }
-      if (best && (worth(*best) < worth(selection_.fit) + kAsGood * unit_ || isOutOfRange(t, *best, rest))) {
+      if (best &&
+          (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ || isOutOfRange(t, *best, rest))) {
         take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
@@ -88,7 +82,7 @@ class Restatement {
     const std::string label = fit.terms[term].recipe->label();
     return std::any_of(fit.at_edge.begin(), fit.at_edge.end(),
                        [&](const Edge& edge) { return edge.label == label; }) &&
-           simple.objective - fit.objective < kRest * (rest.objective - fit.objective);
+           simple.objective - fit.objective < simpler::kRest * (rest.objective - fit.objective);
   }
 
   bool isContainedInOthers(const Recipe& recipe, std::size_t but) const {
@@ -197,7 +191,7 @@ class Restatement {
           widerCovariance(fitter_.data(), selection_.fit, options_.replicates, options_.seed)
               .block<2, 2>(at, at);
       const double variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
-      if (std::pow(term.c[0] - term.c[1], 2) > kTwoLevels * kTwoLevels * variance) {
+      if (std::pow(term.c[0] - term.c[1], 2) > simpler::kTwoLevels * simpler::kTwoLevels * variance) {
         continue;
       }
       const Atom* plain = plainAtom("coulomb_friction", term.recipe->joint);

@@ -8,35 +8,12 @@
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/ranking.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-/// Share of what the found effect's columns explain that a rival's must, to be fitted in full.
-constexpr double kNearRival = 0.35;
-/// Effects within this much of −2 log posterior of each other explain the data equally well.
-constexpr double kRivalMargin = 6.0;
-/// The same without regard to the number of parameters: what explains no less is no worse an answer for
-/// having more of them, which its physics may have fixed.
-constexpr double kAsWell = 2.7;
-/// The same as a share of what was found explains: where that is much, small faults of any model, which grow
-/// with it, count for more than noise.
-constexpr double kNoDifference = 0.005;
-/// The same for effects that are much alike, of which real machines have a little of both: four standard
-/// deviations.
-constexpr double kAlike = 16.0;
-/// An effect that contains another always explains as much. It is a rival only where each parameter that it
-/// has beyond the other explains more than one in twenty would by chance.
-constexpr double kNestedEvidence = 3.84;
-/// Akaike's criterion: a rival so much behind another has less than a seventh of its support.
-constexpr double kPredictsLess = 4.0;
 constexpr int kRivalReplicates = 99;
-/// Share of a found torque by which one that contains it may differ within its 95 % interval, and the found
-/// one still be the only answer.
-constexpr double kMaterialDoubt = 0.25;
-constexpr double kWithin95 = 2.0;
-/// Share of what Stribeck's friction explains from which on dry friction may be all there is.
-constexpr double kNearlyAll = 0.85;
 
 /// Data shared by the search for rivals of one found effect.
 class RivalSearch {
@@ -64,7 +41,7 @@ class RivalSearch {
                                      [&](const Candidate& c) { return c.atom->label == own; });
     const double own_score = itself == candidates.end() ? 0.0 : itself->score;
     std::erase_if(candidates, [&](const Candidate& c) {
-      return c.atom->label == own || c.score < kNearRival * own_score;
+      return c.atom->label == own || c.score < rivals::kNear * own_score;
     });
     fitBest(fitter_, smaller_, cost_, candidates);
     std::vector<const Candidate*> rivals;
@@ -98,9 +75,9 @@ class RivalSearch {
       return false;
     }
     const double margin = gain_ - cost_ * (parametersInUse(found_) - parametersInUse(smaller_));
-    const double as_well = areAlike(*rival.atom->recipe, own_) ? kAlike : kAsWell;
-    return marginOf(rival) > margin - kRivalMargin ||
-           rival.fit->objective < found_.objective + std::max(as_well, kNoDifference * gain_) * unit_;
+    const double as_well = areAlike(*rival.atom->recipe, own_) ? rivals::kAlike : rivals::kAsWell;
+    return marginOf(rival) > margin - rivals::kMargin ||
+           rival.fit->objective < found_.objective + std::max(as_well, rivals::kNoDifference * gain_) * unit_;
   }
 
   // The information criterion has chosen between two effects of which one contains the other.
@@ -110,7 +87,7 @@ class RivalSearch {
     }
     const double more = parameters(*rival.fit) - parameters(found_);
     const double gain = gainOf(rival) - gain_;
-    return contains(*rival.atom->recipe, own_) && gain < kNestedEvidence * more;
+    return contains(*rival.atom->recipe, own_) && gain < rivals::kNestedEvidence * more;
   }
 
   // Evidence chooses as above where one rival contains the other. Where several contain what was found, the
@@ -122,12 +99,12 @@ class RivalSearch {
       const Recipe& one = *rival->atom->recipe;
       const Recipe& its = *other->atom->recipe;
       if (contains(one, its) || contains(its, one) || approaches(one, its)) {
-        return gain < kNestedEvidence * more;
+        return gain < rivals::kNestedEvidence * more;
       }
       if (contains(one, own_) && contains(its, own_)) {
         return predicts(*rival) < predicts(*other);
       }
-      return predicts(*rival) < predicts(*other) - kPredictsLess * unit_;
+      return predicts(*rival) < predicts(*other) - rivals::kPredictsLess * unit_;
     };
     const auto outdoneByAny = [&](const Candidate* rival) {
       return std::any_of(rivals.begin(), rivals.end(), [&](const Candidate* other) {
@@ -146,7 +123,7 @@ class RivalSearch {
   bool isNearlyAll(const Candidate& rival) const {
     return own_.kind == "stribeck_friction" && rival.atom->recipe->kind == "coulomb_friction" &&
            rival.atom->recipe->joint == own_.joint && !unphysical(rival.refused_because) &&
-           gainOf(rival) > kNearlyAll * gain_;
+           gainOf(rival) > rivals::kNearlyAll * gain_;
   }
 
   // In the unit of what was found, as rivals explain the same part of the data.
@@ -178,7 +155,7 @@ class RivalSearch {
                                    root.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
     const double largest =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(spread.transpose() * spread).eigenvalues().maxCoeff();
-    return kWithin95 * std::sqrt(largest) > kMaterialDoubt * torque_.norm();
+    return rivals::kWithin95 * std::sqrt(largest) > rivals::kMaterialDoubt * torque_.norm();
   }
 
   ModelFitter& fitter_;

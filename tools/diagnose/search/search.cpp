@@ -8,13 +8,13 @@
 
 #include <Eigen/Dense>
 
+#include "tools/diagnose/thresholds.hpp"
+
 namespace patella::diagnose {
 namespace {
 
 /// A column of which the fit leaves less than this share adds nothing.
 constexpr double kSpanned = 1e-10;
-/// While something is missing, the noise of a fit holds it too and looks slower than it is.
-constexpr double kLargestRedundancy = 12.0;
 
 // Sine and cosine at the times of the rows: thousands of frequencies are tried, and filtering each would take
 // most of the time of a diagnosis.
@@ -77,9 +77,6 @@ Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int coun
 
 constexpr Eigen::Index kColumnsAtATime = 64;
 constexpr Eigen::Index kClusters = 40;
-/// The variance of a sum of products of two Gaussian processes is at most twice as large where they go
-/// together (Isserlis); what varies more is something missing that shows here and there, such as a contact.
-constexpr double kMostByMotion = 2.0;
 
 // Mean square that chance brings a column of the basis, from sums of its products with the residual over
 // pieces of time (Liang and Zeger, Biometrika 73, 1986).
@@ -130,7 +127,7 @@ Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight
 }
 
 double withMotion(const ScreenedGroup& group, double unit) {
-  return std::clamp(group.seen_in_time, unit, kMostByMotion * unit);
+  return std::clamp(group.seen_in_time, unit, accepted::kMostByMotion * unit);
 }
 
 Eigen::MatrixXd Atoms::of(const Atom& atom) const {
@@ -306,7 +303,7 @@ double redundancy(const Dataset& data, const ModelFit& fit, std::uint64_t seed) 
   const Eigen::Index rows = draws.rows() - free.prior_weight.size();
   const double share = (explained.topRows(rows).transpose() * draws.topRows(rows)).squaredNorm() /
                        static_cast<double>(explained.cols() * kUnitDraws);
-  return std::clamp(share, 1.0, kLargestRedundancy);
+  return std::clamp(share, 1.0, accepted::kLargestRedundancy);
 }
 
 double chanceUnit(const Dataset& data, const ModelFit& fit, Eigen::Index count, std::uint64_t seed) {

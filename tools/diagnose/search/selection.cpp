@@ -15,27 +15,14 @@
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/search/restatement.hpp"
 #include "tools/diagnose/search/rivals.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-/// Share of the mean square that is left of a joint's torque that an effect has to explain: less is nothing
-/// that anyone would miss, however sure it is.
-constexpr double kLeastShare = 0.03;
-/// The same of a tremor whose gain, in units of chance, is below kClearLine. A person who walks or swings a
-/// leg pushes in a spectrum that has humps, which drawn noise does not have.
-constexpr double kLeastTremorShare = 0.15;
-constexpr double kClearLine = 100.0;
-/// Squared standard deviations. Damping that the model declares, or its masses, may have moved to make up for
-/// what is missing, so that little is left to explain.
-constexpr double kMaterialRelief = 4.0;
-constexpr double kLeastStability = 0.8;
-constexpr double kCrossValidationErrors = 1.5;
 /// Text on a candidate that is beyond chance, but does not hold in every part of a recording.
 constexpr const char* kUnsteady = "cross-validation";
 constexpr const char* kUnstable = "stability";
-/// By how many times its margin a candidate must be the clearer one, to be tried where the best was refused.
-constexpr double kClearer = 3.0;
 
 class Selector {
  public:
@@ -81,7 +68,8 @@ class Selector {
     Candidate* best = fitBest(fitter_, current, cost_, candidates);
     double p_value = best != nullptr ? judge(*best, chance) : 1.0;
     if (best != nullptr && !best->refused_because.empty()) {
-      Candidate* clearer = fitClearer(current, candidates, std::max(threshold, kClearer * best->margin));
+      Candidate* clearer =
+          fitClearer(current, candidates, std::max(threshold, accepted::kClearer * best->margin));
       if (clearer != nullptr) {
         best = clearer;
         p_value = judge(*best, chance);
@@ -172,9 +160,10 @@ class Selector {
   }
 
   std::string gate(const Candidate& candidate, double p_value) const {
-    const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < kClearLine;
-    if (options_.gates.share && shareOf(*candidate.fit) < (hump ? kLeastTremorShare : kLeastShare) &&
-        reliefOf(*candidate.fit) < kMaterialRelief) {
+    const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < accepted::kClearLine;
+    if (options_.gates.share &&
+        shareOf(*candidate.fit) < (hump ? accepted::kLeastTremorShare : accepted::kLeastShare) &&
+        reliefOf(*candidate.fit) < accepted::kMoved) {
       return "too little";
     }
     if (options_.gates.chance && p_value >= options_.family_wise_p) {
@@ -183,13 +172,13 @@ class Selector {
     if (options_.gates.cross_validation) {
       const CrossValidation validated = crossValidate(result_.fit, *candidate.fit);
       if (!validated.almost_everywhere &&
-          validated.gain <= kCrossValidationErrors * validated.standard_error) {
+          validated.gain <= accepted::kCrossValidationErrors * validated.standard_error) {
         return kUnsteady;
       }
     }
     if (options_.gates.stability &&
         stability(result_.fit, *candidate.fit, candidate.unit * (candidate.gain - candidate.margin),
-                  options_.seed) < kLeastStability) {
+                  options_.seed) < accepted::kLeastStability) {
       return kUnstable;
     }
     return {};

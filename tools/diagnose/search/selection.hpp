@@ -11,12 +11,13 @@
 #include "tools/diagnose/result/diagnosis.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 
 struct SelectionOptions {
   int replicates = 499;
-  double family_wise_p = 0.01;
+  double family_wise_p = accepted::kFamilyWiseP;
   std::uint64_t seed = 1;
   int most_effects = 5;
   Gates gates;

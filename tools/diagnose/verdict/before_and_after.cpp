@@ -8,14 +8,10 @@
 
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Held-out error over noise floor from which on something else happens there.
-constexpr double kOutOfProportion = 2.5;
-/// Held-out error of a joint after over before from which on the user is told: less is within the noise.
-constexpr double kCost = 1.05;
 
 void addCurves(const Dataset& train, const std::optional<Dataset>& heldout,
                const model::ModelDescription& given, Diagnosis& result) {
@@ -73,7 +69,7 @@ void tellWhichJointPays(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.after.heldout_rms_Nm.size(); ++joint) {
     const double before = result.before.heldout_rms_Nm[joint];
     const double after = result.after.heldout_rms_Nm[joint];
-    if (after > kCost * before) {
+    if (after > holds::kCost * before) {
       result.warnings.push_back(fmt::format(
           "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while that of all together falls",
           joint + 1, before, after, result.torque_unit));
@@ -86,7 +82,7 @@ void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = result.noise_floor_Nm[joint];
     const double unseen = result.after.heldout_rms_Nm[joint];
-    if (fitted > 0.0 && unseen > kOutOfProportion * fitted) {
+    if (fitted > 0.0 && unseen > holds::kOutOfProportion * fitted) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
                                     .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),

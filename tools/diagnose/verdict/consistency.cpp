@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -19,12 +20,6 @@ struct Contradictions {
   std::vector<std::string> what;
   std::vector<Dependence> dependences;
 };
-
-constexpr double kDeviations999 = 3.2905;
-constexpr double kMaterialShare = 0.5;
-constexpr double kSignificant = 1e-3;
-/// Share of the squared error that may be left at most where recordings are fitted apart.
-constexpr double kSameMachine = 0.7;
 
 // The weighted rows of one recording, zeros elsewhere: an autoregression starts anew in each block.
 Eigen::MatrixXd weightedPart(const Dataset& data, const ModelFit& fit,
@@ -113,8 +108,9 @@ void compareStrengths(const Dataset& data, const ModelFit& fit, std::span<const 
             const double one = common + locals[a].step[*strength];
             const double two = common + b.step[*strength];
             const double apart = std::abs(one - two);
-            return apart > kMaterialShare * std::max(std::abs(one), std::abs(two)) &&
-                   apart > kDeviations999 * (locals[a].deviation[*strength] + b.deviation[*strength]);
+            return apart > contradiction::kMaterialShare * std::max(std::abs(one), std::abs(two)) &&
+                   apart > contradiction::kDeviations999 *
+                               (locals[a].deviation[*strength] + b.deviation[*strength]);
           });
       if (other == locals.end()) {
         continue;
@@ -129,7 +125,7 @@ void compareStrengths(const Dataset& data, const ModelFit& fit, std::span<const 
            .variable = "recording",
            .explained_Nm = std::abs(locals[a].step[*strength]) *
                            jointRms(data, fit.tangent.col(*strength), fit.terms[t].recipe->joint),
-           .p_value = kSignificant});
+           .p_value = contradiction::kSignificant});
       break;
     }
   }
@@ -170,13 +166,13 @@ void compareErrors(const Dataset& data, const ModelFit& fit, std::span<const std
     apart.rank += one.rank;
   }
   const Eigen::Index freedom = apart.rank - together.rank;
-  if (freedom <= 0 || apart.rest > kSameMachine * together.rest) {
+  if (freedom <= 0 || apart.rest > contradiction::kSameMachine * together.rest) {
     return;
   }
   const double gain = (together.rest - apart.rest) / (fit.prior_scale * fit.prior_scale);
   const double p_value = boost::math::cdf(
       boost::math::complement(boost::math::chi_squared(static_cast<double>(freedom)), std::max(0.0, gain)));
-  if (p_value >= kSignificant) {
+  if (p_value >= contradiction::kSignificant) {
     return;
   }
   const double share = 1.0 - apart.rest / together.rest;

@@ -10,6 +10,7 @@
 
 #include "tools/diagnose/search/second_look.hpp"
 #include "tools/diagnose/search/suggested_functions.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
@@ -165,15 +166,6 @@ double surprise(double gain, int dimensions) {
   return tail > kLeast ? -std::log(tail) : -std::log(kLeast) + gain;
 }
 
-/// A p by the noise of the fit up to which it pays to look again.
-constexpr double kWorthASecondLook = 0.1;
-/// Whoever looks twice has two chances to be wrong: the second gets half as much room.
-constexpr double kLevelOfSecondLook = 0.5;
-
-/// Share of the level that functions which swing with time get: there are many of them, and a person's pushes
-/// come and go, too.
-constexpr double kShareOfSwings = 0.3;
-
 class Tester {
  public:
   Tester(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed)
@@ -198,10 +190,10 @@ class Tester {
         add(atoms.items[screened.atom], screened, p_value);
       }
     }
-    if (ranked_.empty() && least_p < kWorthASecondLook) {
+    if (ranked_.empty() && least_p < unknown::kWorthASecondLook) {
       const SecondLook again =
           lookAgain(data_, fit_, atoms, nuisance_, screening, surprise, replicates_, seed_ + 1);
-      if (again.p_value < kLevelOfSecondLook * family_wise_p) {
+      if (again.p_value < unknown::kLevelOfSecondLook * family_wise_p) {
         add(atoms.items[again.screened.atom], again.screened, again.p_value);
       }
     }
@@ -247,8 +239,8 @@ std::vector<Dependence> testDependence(const Dataset& data, const ModelFit& fit,
                                        std::span<const int> channels, int replicates, double family_wise_p,
                                        std::uint64_t seed) {
   Tester tester(data, fit, replicates, seed);
-  tester.test(functionAtoms(data, fit, channels), (1.0 - kShareOfSwings) * family_wise_p);
-  tester.test(changingStiffness(data, fit), kShareOfSwings * family_wise_p);
+  tester.test(functionAtoms(data, fit, channels), (1.0 - unknown::kShareOfSwings) * family_wise_p);
+  tester.test(changingStiffness(data, fit), unknown::kShareOfSwings * family_wise_p);
   return std::move(tester).result();
 }
 

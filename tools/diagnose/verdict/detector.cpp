@@ -10,6 +10,7 @@
 
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/ranking.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -78,8 +79,7 @@ double thresholdOf(const Diagnosis& diagnosis, const ModelFit& fit) {
   if (!diagnosis.steps.empty() && !diagnosis.steps.back().ranking.empty()) {
     return std::max(1.0, 2.0 * diagnosis.steps.back().ranking.front().threshold + parameterCost(fit));
   }
-  constexpr double kTypical = 10.0;
-  return kTypical + parameterCost(fit);
+  return shown::kTypicalChance + parameterCost(fit);
 }
 
 }  // namespace patella::diagnose

@@ -12,24 +12,13 @@
 
 #include "tools/diagnose/checks/reading.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/detector.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 constexpr double kPercent = 100.0;
-constexpr double kMostClipped = 0.05;
-constexpr double kLeastClipped = 0.002;
-constexpr double kSingleLine = 0.97;
-/// Share of a joint's inertial torque that plain effects may fail to explain where the torque never changes:
-/// a leg that is let go swings by itself, but no leg that is driven.
-constexpr double kFreeSwing = 0.25;
-/// Share of the effects looked for on a joint that do not show where the joint tells next to nothing.
-constexpr double kNearlyAll = 0.75;
-constexpr double kNarrowed = 0.8;
-constexpr double kPlainStrength = 3.0;
-/// Share of its torque that the model may fail to explain on a joint at rest.
-constexpr double kRestExplained = 0.5;
 
 // Smallest torque, in units of the noise, at which each kind on each joint would show.
 std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& atoms) {
@@ -58,14 +47,14 @@ std::size_t plainEffectsUnseen(const Detector& detector, const Dataset& data) {
       columns.col(1).setZero();
       columns.col(1).segment(effect.joint * data.rows(), data.rows()).setOnes();
     }
-    unseen += detector.of(columns, effect.joint).in_noise > kPlainStrength ? 1 : 0;
+    unseen += detector.of(columns, effect.joint).in_noise > motion::kPlainStrength ? 1 : 0;
   }
   return unseen;
 }
 
 bool singleSinusoids(std::span<const JointSignals> signals) {
   return std::all_of(signals.begin(), signals.end(), [](const JointSignals& joint) {
-    return !joint.moves || joint.line_share > kSingleLine;
+    return !joint.moves || joint.line_share > motion::kSingleLine;
   });
 }
 
@@ -89,7 +78,7 @@ std::optional<std::size_t> untoldJoint(const Excitation& excitation, std::size_t
   };
   for (std::size_t j = 0; j < joints; ++j) {
     const double untold = count(excitation.not_identifiable, j);
-    if (untold > 0.0 && untold > kNearlyAll * (untold + count(excitation.identifiable, j))) {
+    if (untold > 0.0 && untold > motion::kNearlyAll * (untold + count(excitation.identifiable, j))) {
       return j;
     }
   }
@@ -113,13 +102,14 @@ std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
     const JointSignals& one = signals[static_cast<std::size_t>(joint)];
     const double missing_Nm =
         reading.error_with_effects[static_cast<std::size_t>(joint)] * reader.load_Nm(joint);
-    if (one.constant_torque && one.moves && missing_Nm > kFreeSwing * jointRms(data, inertial, joint)) {
+    if (one.constant_torque && one.moves &&
+        missing_Nm > motion::kFreeSwing * jointRms(data, inertial, joint)) {
       return fmt::format(
           "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less than what "
           "friction, a spring and other masses could make of it.",
           joint + 1, missing_Nm);
     }
-    if (one.clipped_share > kMostClipped) {
+    if (one.clipped_share > motion::kMostClipped) {
       return fmt::format(
           "The torque of joint {} is cut off at {:.4g} N·m in {:.0f} % of the rows: what acted there "
           "is not known.",
@@ -138,13 +128,13 @@ void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis)
       diagnosis.excitation.not_identifiable.push_back(fmt::format("joint {} is at rest", j + 1));
       diagnosis.warnings.push_back(
           fmt::format("joint {} is at rest: nothing that acts on it can be told", j + 1));
-    } else if (joint.line_share > kSingleLine) {
+    } else if (joint.line_share > motion::kSingleLine) {
       diagnosis.warnings.push_back(fmt::format(
           "a single sinusoid of {:.3g} Hz excites joint {}: what is proportional to position, velocity or "
           "acceleration cannot be told apart for certain; add a second frequency",
           joint.line_Hz, j + 1));
     }
-    if (joint.clipped_share > kLeastClipped) {
+    if (joint.clipped_share > motion::kLeastClipped) {
       diagnosis.warnings.push_back(
           fmt::format("the torque of joint {} is cut off at {:.4g} N·m in {:.1f} % of the rows", j + 1,
                       joint.clipped_Nm, kPercent * joint.clipped_share));
@@ -164,7 +154,7 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
     (shows ? diagnosis.excitation.identifiable : diagnosis.excitation.not_identifiable).push_back(label);
   }
   for (const RefittedParameter& parameter : diagnosis.nominal) {
-    const bool narrowed = parameter.sd < kNarrowed * nominal_tolerance * std::abs(parameter.refitted);
+    const bool narrowed = parameter.sd < motion::kNarrowed * nominal_tolerance * std::abs(parameter.refitted);
     (narrowed ? diagnosis.excitation.identifiable : diagnosis.excitation.not_identifiable)
         .push_back("nominal " + parameter.name);
   }
@@ -172,7 +162,7 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
   const Column torque = data.driveTorque();
   for (int joint = 0; joint < data.joints(); ++joint) {
     if (!signals[static_cast<std::size_t>(joint)].moves && !data.isStatic() &&
-        jointRms(data, fit.residual, joint) > kRestExplained * jointRms(data, torque, joint)) {
+        jointRms(data, fit.residual, joint) > motion::kRestExplained * jointRms(data, torque, joint)) {
       diagnosis.doubts.push_back(
           {Doubt::kRestingTorque,
            fmt::format("Joint {} is at rest by its encoder, but its torque is not what would hold it there; "
@@ -204,7 +194,8 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
                      *joint + 1)});
   }
   const std::size_t plain = 4 * signals.size();
-  if (const std::size_t unseen = plainEffectsUnseen(detector, data); 2 * unseen > plain) {
+  if (const std::size_t unseen = plainEffectsUnseen(detector, data);
+      static_cast<double>(unseen) > motion::kMostPlainUnseen * static_cast<double>(plain)) {
     diagnosis.doubts.push_back(
         {Doubt::kPlainEffectsUnseen,
          fmt::format("Nothing was found, but of {} plain effects {} would not show if they were three "

@@ -6,15 +6,10 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/recipe.hpp"
-#include "tools/diagnose/verdict/runaways.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-/// Bootstrap and jackknife do not see that nature's effect is not quite the library's: real stiction has no
-/// smooth curve. Their 95 % intervals held the truth in 179 of 197 parameters (patella-bench-diagnose, seeds
-/// 106 to 108); so much wider they hold it in 185.
-constexpr double kShapeAllowance = 1.3;
 
 std::string separatingMotion(std::string_view kind) {
   const std::string_view variable = betrayingVariable(kind);
@@ -110,8 +105,9 @@ EffectFinding findingOf(const std::string& kind, int joint, std::vector<Paramete
                         const Evidence& evidence, int joints) {
   for (ParameterEstimate& parameter : parameters) {
     for (double& limit : parameter.ci95) {
-      limit = parameter.by_factor ? parameter.value * std::pow(limit / parameter.value, kShapeAllowance)
-                                  : parameter.value + kShapeAllowance * (limit - parameter.value);
+      limit = parameter.by_factor
+                  ? parameter.value * std::pow(limit / parameter.value, asserted::kShapeAllowance)
+                  : parameter.value + asserted::kShapeAllowance * (limit - parameter.value);
     }
   }
   EffectFinding finding{.kind = kind,
@@ -158,7 +154,7 @@ std::string explanation(const Diagnosis& diagnosis, double tolerance) {
           "After the nominal parameters were refitted, the residual is no more than noise.";
       const auto moved =
           std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(), [=](const RefittedParameter& p) {
-            return std::abs(std::log(p.refitted / p.nominal)) > kWithinTolerance * tolerance;
+            return std::abs(std::log(p.refitted / p.nominal)) > runaway::kWithinTolerance * tolerance;
           });
       if (moved == diagnosis.nominal.end()) {
         return text;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
 #include "tools/signals/signals.hpp"
 
@@ -15,12 +16,6 @@ using offline::Samples;
 constexpr double kBand_Hz = 10.0;
 constexpr int kOrder = 4;
 constexpr double kSmoothing_Hz = 40.0;
-/// A joint that moves less is at rest.
-constexpr double kLeastVelocity_rad_s = 1e-3;
-constexpr double kLeastSteps = 5.0;
-constexpr double kLeastShareOfOther = 0.01;
-/// Where postures at rest are recorded, one after the other.
-constexpr double kLeastPostures_rad = 1e-3;
 
 struct Moved {
   double range = 0.0;
@@ -73,7 +68,7 @@ Moved movedOf(std::span<const Recording> recordings, std::size_t joint) {
       if (recording.is_static) {
         low = std::min(low, *std::min_element(position.begin(), position.end()));
         high = std::max(high, *std::max_element(position.begin(), position.end()));
-      } else if (static_cast<double>(position.size()) >= Dataset::kShortest_s * recording.rate_Hz) {
+      } else if (static_cast<double>(position.size()) >= readable::kShortest_s * recording.rate_Hz) {
         add(moved, low, high, position, recording.rate_Hz);
       }
     }
@@ -137,7 +132,6 @@ Line strongestLine(const Recording& recording, std::size_t joint) {
 
 // Recordings of different frequencies together hold more than one line.
 Line commonLine(std::span<const Recording> recordings, std::size_t joint) {
-  constexpr double kSameFrequency = 0.05;
   Line common{.share = 1.0};
   for (const Recording& recording : recordings) {
     if (recording.is_static) {
@@ -145,7 +139,7 @@ Line commonLine(std::span<const Recording> recordings, std::size_t joint) {
     }
     const Line line = strongestLine(recording, joint);
     if (common.frequency_Hz > 0.0 &&
-        std::abs(line.frequency_Hz - common.frequency_Hz) > kSameFrequency * common.frequency_Hz) {
+        std::abs(line.frequency_Hz - common.frequency_Hz) > motion::kSameFrequency * common.frequency_Hz) {
       return {};
     }
     common = {.share = std::min(common.share, line.share), .frequency_Hz = line.frequency_Hz};
@@ -155,13 +149,12 @@ Line commonLine(std::span<const Recording> recordings, std::size_t joint) {
 
 // A torque that sits at its highest or lowest value, and hardly ever near it, is cut off there.
 void addClipping(std::vector<double> torque, JointSignals& signals) {
-  constexpr std::size_t kPileUp = 5;
   std::sort(torque.begin(), torque.end());
   const auto look = [&](auto begin, auto end) {
     const auto next = std::find_if(begin, end, [&](double value) { return value != *begin; });
     const auto after = std::find_if(next, end, [&](double value) { return value != *next; });
     const auto count = static_cast<std::size_t>(next - begin);
-    if (*begin == 0.0 || next == end || count <= kPileUp * static_cast<std::size_t>(after - next)) {
+    if (*begin == 0.0 || next == end || count <= motion::kPileUp * static_cast<std::size_t>(after - next)) {
       return 0.0;
     }
     return static_cast<double>(count) / static_cast<double>(torque.size());
@@ -188,9 +181,9 @@ std::vector<JointSignals> jointSignals(std::span<const Recording> recordings) {
     const Moved moved = movedOf(recordings, j);
     JointSignals signals{.position_range_rad = moved.range,
                          .velocity_rms_rad_s = moved.rows > 0.0 ? std::sqrt(moved.square / moved.rows) : 0.0};
-    signals.moves = at_rest ? moved.range > kLeastPostures_rad
-                            : signals.velocity_rms_rad_s > kLeastVelocity_rad_s &&
-                                  moved.range > kLeastSteps * moved.resolution;
+    signals.moves = at_rest ? moved.range > motion::kLeastPostures_rad
+                            : signals.velocity_rms_rad_s > motion::kLeastVelocity_rad_s &&
+                                  moved.range > motion::kLeastSteps * moved.resolution;
     signals.constant_torque = true;
     for (const Recording& recording : recordings) {
       signals.constant_torque = signals.constant_torque && constant(recording.torque_Nm[j]);
@@ -205,7 +198,8 @@ std::vector<JointSignals> jointSignals(std::span<const Recording> recordings) {
     all.push_back(signals);
   }
   for (JointSignals& signals : all) {
-    signals.moves = signals.moves && (at_rest || signals.velocity_rms_rad_s > kLeastShareOfOther * fastest);
+    signals.moves =
+        signals.moves && (at_rest || signals.velocity_rms_rad_s > motion::kLeastShareOfOther * fastest);
   }
   return all;
 }

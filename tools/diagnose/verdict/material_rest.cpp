@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/thresholds.hpp"
+
 namespace patella::diagnose {
 
 void judgeRest(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
@@ -16,7 +18,7 @@ void judgeRest(const Dataset& data, const model::Mechanism& mechanism, const Col
   const auto worst = std::max_element(rests.begin(), rests.end(), [](const auto& a, const auto& b) {
     return a.structure_Nm() * b.torque_Nm < b.structure_Nm() * a.torque_Nm;
   });
-  if (!worst->exceeds(kMaterialRest)) {
+  if (!worst->exceeds(unknown::kMaterialRest)) {
     return;
   }
   constexpr double kPercent = 100.0;

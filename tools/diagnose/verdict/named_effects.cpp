@@ -11,6 +11,7 @@
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 #include "tools/diagnose/verdict/runaways.hpp"
 #include "tools/diagnose/verdict/unknown_rest.hpp"
@@ -49,7 +50,7 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
 bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
   const double own = 0.5 * std::pow(tremor.parameters.front().value, 2);
   const double rest = left_Nm * left_Nm - noise_Nm * noise_Nm - own;
-  return own < kOverRest * kOverRest * rest;
+  return own < asserted::kOverRest * asserted::kOverRest * rest;
 }
 
 void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,

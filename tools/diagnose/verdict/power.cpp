@@ -14,7 +14,7 @@
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/search/candidate.hpp"
-#include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -101,8 +101,9 @@ double smallestTorque_Nm(const Detectable& shape, double threshold, double noise
   if (!(shape.own_share > 0.0) || !std::isfinite(shape.in_noise)) {
     return kNever;
   }
-  const double above_chance = shape.in_noise * (1.0 + kFourInFive / std::sqrt(threshold)) * noise_Nm;
-  const double above_rest = (kOverRest + kFourInFive / std::sqrt(kLooks)) * structure_Nm;
+  const double above_chance = shape.in_noise * (1.0 + shown::kFourInFive / std::sqrt(threshold)) * noise_Nm;
+  const double above_rest =
+      (asserted::kOverRest + shown::kFourInFive / std::sqrt(asserted::kLooks)) * structure_Nm;
   return std::max(above_chance, above_rest / shape.own_share);
 }
 

@@ -11,13 +11,10 @@
 
 namespace patella::diagnose {
 
-/// Standard deviations that a torque has to lie above the threshold for four in five recordings to show it.
-inline constexpr double kFourInFive = 0.84;
-
 /// Smallest rms torque, N·m, of a shape that four in five recordings like this one would have revealed: above
-/// what chance brings, and above kOverRest times `structure_Nm`, what nothing explains on its joint, of which
-/// kLooks looks are known. Infinite where nothing tells it from the given parameters. `noise_Nm`: rms of what
-/// the fit leaves there.
+/// what chance brings, and above asserted::kOverRest times `structure_Nm`, what nothing explains on its
+/// joint, of which asserted::kLooks looks are known. Infinite where nothing tells it from the given
+/// parameters. `noise_Nm`: rms of what the fit leaves there.
 double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm);
 
 /// One for every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or

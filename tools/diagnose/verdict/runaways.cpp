@@ -12,15 +12,12 @@
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/declared.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-/// Share of an interval's half, or of a bound: nearer than this a value stands at the bound.
-constexpr double kTouches = 1e-3;
-/// Share of its declared strength below which an effect has vanished.
-constexpr double kNothingLeft = 0.01;
 constexpr double kPercent = 100.0;
 
 std::string label(const std::string& kind, int joint) {
@@ -38,7 +35,7 @@ void addErrors(const char* model, const ErrorMeasure& error, std::vector<Runaway
         joint < error.heldout_relative.size() && error.heldout_relative[joint] > error.train_relative[joint];
     const double relative = (heldout ? error.heldout_relative : error.train_relative)[joint];
     const double rms = (heldout ? error.heldout_rms_Nm : error.train_rms_Nm)[joint];
-    if (relative > 1.0 && relative < kNoTorque) {
+    if (relative > 1.0 && relative < runaway::kNoTorque) {
       all.push_back(
           {.what = fmt::format("error@{}", joint + 1),
            .nominal = rms / relative,
@@ -62,8 +59,8 @@ struct Standing {
 Standing standingOf(const std::array<double, 2>& range, const ParameterEstimate& estimate) {
   const auto [from, to] = estimate.ci95;
   const auto touches = [&](double bound) {
-    return std::isfinite(bound) &&
-           std::abs(estimate.value - bound) <= kTouches * std::max(std::abs(bound), 0.5 * (to - from));
+    return std::isfinite(bound) && std::abs(estimate.value - bound) <=
+                                       runaway::kTouches * std::max(std::abs(bound), 0.5 * (to - from));
   };
   return {.range = range,
           .anything = from < to && from <= range[0] && to >= range[1],
@@ -105,16 +102,16 @@ void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate,
 void addNominal(const RefittedParameter& parameter, double tolerance, const Units& units,
                 std::vector<Runaway>& all) {
   const double ratio = parameter.refitted / parameter.nominal;
-  if (!(std::abs(std::log(ratio)) > kWithinTolerance * tolerance)) {
+  if (!(std::abs(std::log(ratio)) > runaway::kWithinTolerance * tolerance)) {
     return;
   }
   const std::string unit = splitName(parameter.name.substr(0, parameter.name.find('[')), units).unit;
-  const double widest = std::exp(kWithinTolerance * tolerance);
+  const double widest = std::exp(runaway::kWithinTolerance * tolerance);
   all.push_back(
       {.what = parameter.name,
        .nominal = parameter.nominal,
        .refitted = parameter.refitted,
-       .limit = kWithinTolerance * tolerance,
+       .limit = runaway::kWithinTolerance * tolerance,
        .words = fmt::format("the model's {} went from {} to {} ({:+.0f} %), outside its tolerance of "
                             "{:.0f} to {:+.0f} %",
                             parameterWords(parameter.name, units), withUnit(parameter.nominal, ""),
@@ -170,19 +167,20 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
     const double before = declared.parameters[p];
     const double after = kept->parameters[p];
     const ParameterName name = splitName(parameters[p].name, unitsOf(diagnosis));
-    const bool nothing_left = std::abs(after) < kNothingLeft * std::abs(before);
-    if (nothing_left || std::abs(after - before) > kWithinTolerance * tolerance * std::abs(before)) {
-      all.push_back({.what = what + " " + std::string(parameters[p].name),
-                     .nominal = before,
-                     .refitted = after,
-                     .limit = kWithinTolerance * tolerance,
-                     .words = fmt::format("the declared {}: {} {} from {} to {}", effectWords(what),
-                                          name.words, nothing_left ? "vanished" : "went",
-                                          withUnit(before, ""), withUnit(after, name.unit)) +
-                              (nothing_left ? ""
-                                            : fmt::format(" ({:+.0f} %), beyond its tolerance of {:.0f} %",
-                                                          kPercent * (after / before - 1.0),
-                                                          kPercent * kWithinTolerance * tolerance))});
+    const bool nothing_left = std::abs(after) < runaway::kNothingLeft * std::abs(before);
+    if (nothing_left || std::abs(after - before) > runaway::kWithinTolerance * tolerance * std::abs(before)) {
+      all.push_back(
+          {.what = what + " " + std::string(parameters[p].name),
+           .nominal = before,
+           .refitted = after,
+           .limit = runaway::kWithinTolerance * tolerance,
+           .words = fmt::format("the declared {}: {} {} from {} to {}", effectWords(what), name.words,
+                                nothing_left ? "vanished" : "went", withUnit(before, ""),
+                                withUnit(after, name.unit)) +
+                    (nothing_left ? ""
+                                  : fmt::format(" ({:+.0f} %), beyond its tolerance of {:.0f} %",
+                                                kPercent * (after / before - 1.0),
+                                                kPercent * runaway::kWithinTolerance * tolerance))});
     }
   }
 }

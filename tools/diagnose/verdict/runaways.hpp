@@ -8,11 +8,6 @@
 
 namespace patella::diagnose {
 
-/// Standard deviations by which a parameter may move within its tolerance.
-inline constexpr double kWithinTolerance = 2.0;
-/// Error over torque from which on the drives rested, so that there is nothing to compare.
-inline constexpr double kNoTorque = 1e4;
-
 /// Text after "possibly: " for an effect that is not asserted.
 inline constexpr const char* kUnknownStrengthWords = "how large it is the recording does not tell";
 

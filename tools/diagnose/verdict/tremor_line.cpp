@@ -9,20 +9,16 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "tools/diagnose/thresholds.hpp"
+
 namespace patella::diagnose {
 namespace {
 
 constexpr double kStretch_s = 4.0;
 constexpr double kStep_Hz = 0.25;
-constexpr double kLowest_Hz = 3.0;
-constexpr double kHighest_Hz = 12.0;
 /// Neighbours that tell what the power would be without a line: beyond the line's own width, within this.
 constexpr double kLineWidth_Hz = 0.6;
 constexpr double kNeighbourhood_Hz = 2.0;
-/// Share of a line's power above its neighbourhood that may stand beside it. A control loop
-/// that a late drive makes ring has a hump in its spectrum; a tremor's line has no such shoulders.
-constexpr double kShoulder = 0.04;
-constexpr double kShoulder_Hz = 1.1;
 /// Independent values per stretch of stretches that overlap by half, under a Hann window (Welch 1967).
 constexpr double kIndependence = 0.9;
 
@@ -34,8 +30,8 @@ struct Periodogram {
 
 Periodogram periodogram(const Dataset& data, const Eigen::VectorXd& residual, int joint) {
   Periodogram result;
-  for (double f = kLowest_Hz - kNeighbourhood_Hz;
-       f <= std::min(kHighest_Hz + kNeighbourhood_Hz, 0.45 * data.rate_Hz()); f += kStep_Hz) {
+  for (double f = tremor::kLowest_Hz - kNeighbourhood_Hz;
+       f <= std::min(tremor::kHighest_Hz + kNeighbourhood_Hz, 0.45 * data.rate_Hz()); f += kStep_Hz) {
     result.frequency_Hz.push_back(f);
   }
   result.power.assign(result.frequency_Hz.size(), 0.0);
@@ -85,18 +81,18 @@ double neighbourhood(const Periodogram& spectrum, std::size_t line) {
 // Whether neither side of a line stands higher above its neighbourhood than the line's own foot and chance,
 // of three standard deviations, put there.
 bool isNarrow(const Periodogram& spectrum, std::size_t line, double background) {
-  constexpr double kChance = 3.0;
   std::array<double, 2> sum{}, count{};
   for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
     const double distance = spectrum.frequency_Hz[k] - spectrum.frequency_Hz[line];
-    if (std::abs(distance) > kLineWidth_Hz && std::abs(distance) <= kShoulder_Hz) {
+    if (std::abs(distance) > kLineWidth_Hz && std::abs(distance) <= tremor::kShoulder_Hz) {
       const std::size_t side = distance < 0.0 ? 0 : 1;
       sum[side] += spectrum.power[k];
       count[side] += 1.0;
     }
   }
-  const double allowed = background * (1.0 + kChance / std::sqrt(2.0 * kIndependence * spectrum.stretches)) +
-                         kShoulder * (spectrum.power[line] - background);
+  const double allowed =
+      background * (1.0 + tremor::kChance / std::sqrt(2.0 * kIndependence * spectrum.stretches)) +
+      tremor::kShoulder * (spectrum.power[line] - background);
   return sum[0] <= allowed * count[0] && sum[1] <= allowed * count[1];
 }
 
@@ -104,20 +100,19 @@ bool isNarrow(const Periodogram& spectrum, std::size_t line, double background) 
 
 std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::VectorXd& residual, int joint,
                                          double family_wise_p) {
-  constexpr double kFewestStretches = 6.0;
   if (data.isStatic()) {
     return std::nullopt;
   }
   const Periodogram spectrum = periodogram(data, residual, joint);
-  if (spectrum.stretches < kFewestStretches) {
+  if (spectrum.stretches < tremor::kFewestStretches) {
     return std::nullopt;
   }
   std::optional<TremorLine> best;
   const double freedom = 2.0 * kIndependence * spectrum.stretches;
-  const double trials = data.joints() * (kHighest_Hz - kLowest_Hz) / kStep_Hz;
+  const double trials = data.joints() * (tremor::kHighest_Hz - tremor::kLowest_Hz) / kStep_Hz;
   for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
     const double f = spectrum.frequency_Hz[k];
-    if (f < kLowest_Hz || f > kHighest_Hz) {
+    if (f < tremor::kLowest_Hz || f > tremor::kHighest_Hz) {
       continue;
     }
     const double background = neighbourhood(spectrum, k);

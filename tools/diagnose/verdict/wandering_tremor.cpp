@@ -6,19 +6,15 @@
 
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/tremor_line.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-/// Below this a line in the spectrum counts as tremor.
-constexpr double kTremorP = 1e-6;
-/// Amplitude over the residual's root mean square, at least.
-constexpr double kLeastTremor = 0.35;
-
 std::optional<TremorLine> lineOf(const Dataset& wide, const Column& residual, int joint) {
-  std::optional<TremorLine> line = findTremorLine(wide, residual, joint, kTremorP);
-  if (line && line->amplitude_Nm < kLeastTremor * jointRms(wide, residual, joint)) {
+  std::optional<TremorLine> line = findTremorLine(wide, residual, joint, tremor::kSignificant);
+  if (line && line->amplitude_Nm < tremor::kLeast * jointRms(wide, residual, joint)) {
     line.reset();
   }
   return line;

@@ -12,5 +12,6 @@ require ticks -eq $((${1:-10} * 1000))
 require frames_received -ge $((${1:-10} * 4900))
 require preempt_rt = true
 require degraded = false
+grep -q 'the network leaves' "$PATELLA_ARTEFACTS/loop.txt" || fail "the loop ran no network"
 sha256sum "$run"/*
 finish

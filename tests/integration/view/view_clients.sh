@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Watches live runs with clients of other authors; see view_clients.mjs.
+#
+#   view_clients.sh PATELLA CONFIGURATION SOURCE_FOLDER NPM_FOLDER
+set -euo pipefail
+"$3/tests/support/npm/install.sh" "$4"
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+node "$3/tests/integration/view/view_clients.mjs" "$4" "$1" "$2" "$folder"
