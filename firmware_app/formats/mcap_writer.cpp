@@ -170,8 +170,8 @@ void McapWriter::writeMessageIndex(ChunkIndex& chunk) {
     }
     const auto id = static_cast<std::uint16_t>(channel);
     chunk.message_index[id] = written_;
-    std::stable_sort(times.begin(), times.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    // Those of one time by their place, which is the order in which they came.
+    std::sort(times.begin(), times.end());
     std::string content;
     appendNumber(content, id);
     appendNumber(content, static_cast<std::uint32_t>(times.size() * 2 * sizeof(std::uint64_t)));

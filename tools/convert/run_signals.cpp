@@ -104,8 +104,9 @@ std::size_t forEachSample(const RunSignals& signals,
   };
   while (rows.next(row)) {
     const auto at = static_cast<std::size_t>(std::llround((row[time] - signals.start_s) * signals.rate_Hz));
-    for (; next < at; ++held) {
+    while (next < at) {
       give();
+      ++held;
     }
     for (std::size_t i = 0; i < indices.size(); ++i) {
       values[i] = std::isfinite(row[indices[i]]) ? row[indices[i]] : values[i];

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -171,9 +172,12 @@ BdfReport convertRunToBdf(const std::filesystem::path& run, const std::filesyste
   }
   RunSignals run_signals = findSignals(run, stems);
   auto& signals = run_signals.signals;
-  std::stable_sort(signals.begin(), signals.end(), [](const RunSignal& a, const RunSignal& b) {
-    return &namingOf(a.column) < &namingOf(b.column);
-  });
+  // Signals of one kind by their number, "emg2" before "emg10".
+  const auto rank = [](const RunSignal& signal) {
+    return std::tuple(&namingOf(signal.column), signal.column.size(), signal.column);
+  };
+  std::sort(signals.begin(), signals.end(),
+            [&](const RunSignal& a, const RunSignal& b) { return rank(a) < rank(b); });
   const auto rate = static_cast<std::size_t>(run_signals.rate_Hz);
   const std::size_t records = (run_signals.samples + rate - 1) / rate;
   std::vector<Annotation> annotations = annotationsOf(run, run_signals.start_s);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -53,9 +54,10 @@ std::vector<std::string> strongCorrelations(const Correlations& correlations, co
       }
     }
   }
-  std::stable_sort(strong.begin(), strong.end(), [](const Pair& a, const Pair& b) {
-    return std::abs(a.correlation) > std::abs(b.correlation);
-  });
+  const auto rank = [](const Pair& pair) {
+    return std::tuple(-std::abs(pair.correlation), pair.other, pair.one);
+  };
+  std::sort(strong.begin(), strong.end(), [&](const Pair& a, const Pair& b) { return rank(a) < rank(b); });
   std::vector<std::string> sentences;
   for (const Pair& pair : strong) {
     sentences.push_back(
