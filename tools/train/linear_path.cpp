@@ -76,7 +76,9 @@ Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequen
       take();
     }
   });
-  take();
+  if (filled > 0) {  // Eigen divides by the number of steps
+    take();
+  }
   sums.regressors = Eigen::MatrixXd(sums.regressors.selfadjointView<Eigen::Lower>());
   return sums;
 }
