@@ -45,7 +45,7 @@ LEGS = {"adult": Leg("demonstration", "adult.toml", "models/adult.toml", ("adult
                      0.04, (0.3, 3.0), (0.02, 0.15), (0.05, 0.24))}
 STOPPED = 3  # exit status of a run that ended in a latched stop
 SCORED_SEEDS = (11, 12, 13)
-DENSITIES = (10, 30, 100, 300, 1000)  # of the Kalman filter that the network is held against
+DENSITIES = (0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000)  # of the Kalman filter that the network is held against
 # Recordings have seeds of their own, far from those of the demonstration. Those of the test were not looked at while features
 # and options were chosen.
 FIRST_SEED = 100_000
