@@ -67,8 +67,10 @@ BusLoad busLoad(const Database& database, const BusMap& map, std::span<const Com
   std::map<std::string, Reading> readings;
   for (const Binding& binding : map.bindings) {
     const Message& message = database.message(binding.message);
-    const bool sensor = inputOf(binding.input, kMaxJoints).input == Input::kPosition ||
-                        inputOf(binding.input, kMaxJoints).input == Input::kEmg;
+    const Input input = inputOf(binding.input, kMaxJoints).input;
+    if (input == Input::kTruth)
+      continue;
+    const bool sensor = input == Input::kPosition || input == Input::kEmg;
     Reading& reading = readings[binding.message];
     // What is told beside a sample comes as often as the sample.
     const double own_Hz = rateOf(message, binding, map, rate_Hz);

@@ -22,7 +22,7 @@ struct BusLoad {
 
 /// The commands at the loop's rate, with the frames by which drives enter; the messages that are read, by the
 /// sensors' periods, else by the DBC's cycle time, else by the loop's rate. A multiplexed message counts once
-/// for each selection that is read.
+/// for each selection that is read. What only simulated rigs send, the truth, is left out.
 BusLoad busLoad(const Database& database, const BusMap& map, std::span<const CommandMap> commands,
                 double rate_Hz);
 

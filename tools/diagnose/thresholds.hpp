@@ -212,7 +212,7 @@ inline constexpr double kNearlyAll = 0.85;
 }  // namespace rivals
 
 /// Does what was found hold?
-namespace holds {
+namespace held_out {
 /// Share of the held-out error below which leaving a term out is better.
 inline constexpr double kSmaller = 0.998;
 /// Half of an interval over the value itself, or the logarithm of a factor: above, a parameter is unknown,
@@ -222,7 +222,7 @@ inline constexpr double kUnknown = 10.0;
 inline constexpr double kCost = 1.05;
 /// Held-out error over noise floor: above, something else happens in the held-out part.
 inline constexpr double kOutOfProportion = 2.5;
-}  // namespace holds
+}  // namespace held_out
 
 /// Do the recordings contradict each other?
 namespace contradiction {

@@ -63,6 +63,10 @@ Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequen
   Eigen::MatrixXd targets(kSteps, outputs);
   Eigen::Index filled = 0;
   const auto take = [&] {
+    if (filled == 0) {
+      // Eigen divides by the inner dimension of a symmetric product.
+      return;
+    }
     sums.regressors.selfadjointView<Eigen::Lower>().rankUpdate(regressors.leftCols(filled));
     sums.targets += regressors.leftCols(filled) * targets.topRows(filled);
     filled = 0;

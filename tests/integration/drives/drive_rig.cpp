@@ -70,6 +70,7 @@ void writeMixedDbc(const std::filesystem::path& path) {
 
 app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder) {
   std::string text = app::readFile(kConfig / "adult.toml");
+  replace(text, "\nweights = ", "\n# ");  // a network is not the subject
   replace(text, "\"models/", "\"" + (kConfig / "models/").string());
   const std::filesystem::path map = folder.path() / "map.toml";
   const std::filesystem::path mit_dbc = kConfig / "can/mit_mode.dbc";

@@ -15,7 +15,7 @@ namespace {
 bool isUnknown(const ParameterEstimate& estimate) {
   const double half = estimate.by_factor ? std::log(estimate.ci95[1] / estimate.value)
                                          : (estimate.ci95[1] - estimate.value) / std::abs(estimate.value);
-  return half > holds::kUnknown;
+  return half > held_out::kUnknown;
 }
 
 bool holdsZero(const ParameterEstimate& estimate) {

@@ -23,7 +23,7 @@ std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& sel
   };
   std::vector<std::string> dropped;
   for (;;) {
-    double least = holds::kSmaller * error(selection.fit);
+    double least = held_out::kSmaller * error(selection.fit);
     std::optional<Selection> best;
     std::string label;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {

@@ -69,7 +69,7 @@ void tellWhichJointPays(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.after.heldout_rms_Nm.size(); ++joint) {
     const double before = result.before.heldout_rms_Nm[joint];
     const double after = result.after.heldout_rms_Nm[joint];
-    if (after > holds::kCost * before) {
+    if (after > held_out::kCost * before) {
       result.warnings.push_back(fmt::format(
           "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while that of all together falls",
           joint + 1, before, after, result.torque_unit));
@@ -82,7 +82,7 @@ void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = result.noise_floor_Nm[joint];
     const double unseen = result.after.heldout_rms_Nm[joint];
-    if (fitted > 0.0 && unseen > holds::kOutOfProportion * fitted) {
+    if (fitted > 0.0 && unseen > held_out::kOutOfProportion * fitted) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
                                     .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
