@@ -80,9 +80,7 @@ Moments momentsOf(const network::NetworkWeights& weights, std::span<const Sequen
       take();
     }
   });
-  if (filled > 0) {  // Eigen divides by the number of steps
-    take();
-  }
+  take();
   sums.regressors = Eigen::MatrixXd(sums.regressors.selfadjointView<Eigen::Lower>());
   return sums;
 }
