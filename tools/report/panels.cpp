@@ -65,7 +65,7 @@ class Curves {
       count += std::isfinite(difference[i]) ? 1.0 : 0.0;
     }
     std::array<char, 32> mean{};
-    std::snprintf(mean.data(), mean.size(), ", mean %.3g", count > 0.0 ? sum / count : 0.0);
+    std::snprintf(mean.data(), mean.size(), " %.3g", count > 0.0 ? sum / count : 0.0);
     style.label += mean.data();
     addEnvelope(style, time_, difference, kBins);
     figure.series.push_back(std::move(style));
@@ -207,11 +207,9 @@ void addErrors(const Curves& curves, int joint, std::vector<Figure>& figures) {
   Figure figure;
   figure.section = "Unknown dynamics";
   figure.title = "Error of f_u, " + jointName(joint);
-  figure.y_label = "rad/s²";
+  figure.y_label = "rad/s² (key: mean)";
   const std::pair<const char*, std::pair<const char*, const char*>> kEstimates[] = {
-      {"f_s", {"sampler", kSky}},
-      {"f_s_filtered", {"sampler, filtered", kBlue}},
-      {"f_network", {"network", kRed}}};
+      {"f_s", {"sampler", kSky}}, {"f_s_filtered", {"filtered", kBlue}}, {"f_network", {"network", kRed}}};
   for (const auto& [stem, style] : kEstimates) {
     if (const std::string name = column(stem, joint, "_rad_s2"); curves.has(name)) {
       curves.addDifference(figure, name, truth, line(style.first, style.second));

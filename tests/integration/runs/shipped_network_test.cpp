@@ -80,6 +80,27 @@ TEST_CASE("the summary holds the network against the observer, and says where it
   CHECK(app::summaryText(bad).find("NO BETTER than the observer at joint 1 and 2") != std::string::npos);
 }
 
+TEST_CASE("the paper's experiments run sampler and network, and end active") {
+  for (const char* name : {"paper_experiment_1.toml", "paper_experiment_2.toml"}) {
+    CAPTURE(name);
+    app::CommandLine line;
+    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config" / name;
+    line.clock = "virtual";
+    line.duration_s = 4.0;
+    const app::RunConfig config = app::loadRunConfig(line);
+    REQUIRE(config.weights);
+    CHECK(config.weights_sealed);
+    const app::LoopStatistics statistics = test::runInLockStep(config, false);
+    CHECK(statistics.final_state == safety::State::kActive);
+    CHECK(statistics.network_error.count == statistics.sampler_error.count);
+    CHECK(statistics.network_error.count > 3900);
+    for (std::size_t joint = 0; joint < 2; ++joint) {
+      CHECK(statistics.network_error.sum[joint] < 0.5 * statistics.sampler_error.sum[joint]);
+    }
+    CHECK(statistics.heap_allocations + statistics.heap_frees == 0);
+  }
+}
+
 TEST_CASE("a log of a run with the network, played back, gives the network's estimates to the last bit") {
   const test::ScratchFolder folder;
   const std::atomic<bool> stop{false};

@@ -33,9 +33,9 @@ TEST_CASE("where the truth is known the network's error stands beside the sample
   const Figure* errors = find(figures, "Error of f_u, joint 1");
   REQUIRE(errors != nullptr);
   REQUIRE(errors->series.size() == 3);
-  CHECK(errors->series[0].label == "sampler, mean 2");
-  CHECK(errors->series[1].label == "sampler, filtered, mean 1");
-  CHECK(errors->series[2].label == "network, mean 0.5");
+  CHECK(errors->series[0].label == "sampler 2");
+  CHECK(errors->series[1].label == "filtered 1");
+  CHECK(errors->series[2].label == "network 0.5");
   CHECK(find(panelsOf("t_s,f_true1_rad_s2,f_s1_rad_s2\n0,1,3\n1,1,2\n"), "Error of f_u") == nullptr);
 }
 
