@@ -100,8 +100,8 @@ class Browser:
         return [event["params"] for event in events if event.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded")
                 or event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")]
 
-    def width(self, pixels):
-        self.call("Emulation.setDeviceMetricsOverride", width=pixels, height=HEIGHT, deviceScaleFactor=1, mobile=False)
+    def width(self, pixels, height=HEIGHT):
+        self.call("Emulation.setDeviceMetricsOverride", width=pixels, height=height, deviceScaleFactor=1, mobile=False)
         self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def mouse(self, kind, x, y, **more):
@@ -126,5 +126,5 @@ class Check:
         self.failures = 0
 
     def __call__(self, holds, words):
-        print(("ok    " if holds else "FAILS ") + words)
+        print(("ok    " if holds else "FAILS ") + words, flush=True)
         self.failures += not holds

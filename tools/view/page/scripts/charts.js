@@ -56,7 +56,7 @@ class Chart {
     this.shown = this.curves.map(() => false);
     this.frame = element("div", { class: "frame" });
     this.legend = element("ul", { class: "legend", "aria-label": `Curves of ${this.title}, ${this.unit}` });
-    this.figure = element("figure", {}, element("figcaption", {}, `${this.title} (${this.unit})`), this.frame, this.legend);
+    this.figure = element("figure", { "aria-label": this.title }, element("figcaption", {}, `${this.title} (${this.unit})`), this.frame, this.legend);
     this.keys = this.curves.map(([, words], i) => this.key(words, i));
     if (CAN_PLOT) this.frame.setAttribute("aria-hidden", "true");
     else this.frame.append(element("p", { class: "no-plots" }, "No plot: this program was built without uPlot."));

@@ -8,7 +8,7 @@ class Histogram {
     this.stem = stem;
     this.frame = element("div", { class: "frame" });
     this.text = element("p", { class: "no-plots" }, "–");
-    this.figure = element("figure", {}, element("figcaption", {}, `${title} (ticks a bucket, µs)`), this.frame, this.text);
+    this.figure = element("figure", { "aria-label": title }, element("figcaption", {}, `${title} (ticks a bucket, µs)`), this.frame, this.text);
     if (CAN_PLOT) this.frame.setAttribute("aria-hidden", "true");
     this.visible = true;
   }

@@ -1,6 +1,7 @@
 // The run that is shown: takes messages from its source, and draws what the view wants to see of them.
 const TOO_OLD_MS = 500;
 const TELL_MS = 200;
+const SHORTEST_PICTURE_MS = 24; // every second turn of a screen with 60 a second
 const OTHER_CLOCK_MS = 86_400_000; // stamps further off than that are of virtual time
 
 class Run {
@@ -10,6 +11,7 @@ class Run {
   timings = [];
   cursor = null;
   dirty = true;
+  nextPicture = 0;
   arrived = NaN; // of the newest tick, on this page's clock
   lag = { least: Infinity, newest: 0 }; // arrival less stamp
   pictures = { count: 0, ms: 0, since: performance.now() };
@@ -221,11 +223,14 @@ class Run {
   picture(now) {
     requestAnimationFrame((next) => this.picture(next));
     if (!this.live) this.source.advance(now);
-    if (!this.history || !this.dirty) return;
-    this.dirty = false;
     const before = performance.now();
+    if (!this.history || !this.dirty || before < this.nextPicture) return;
+    this.dirty = false;
     this.draw(false);
-    this.pictures.ms += performance.now() - before;
+    const took = performance.now() - before;
+    // Half of the time is left for messages and hands, however slow the machine.
+    this.nextPicture = before + Math.max(2 * took, SHORTEST_PICTURE_MS);
+    this.pictures.ms += took;
     ++this.pictures.count;
   }
   draw(everything) {
