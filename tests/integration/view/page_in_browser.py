@@ -139,6 +139,8 @@ def look_at_live_run(browser, check, patella, arguments, folder, pictures):
     start = float(re.match(r"\((\d+\.\d+)\)", frames)[1])
     words = browser.evaluate('document.getElementById("faults").innerText')
     check(seen and "Release the emergency stop" in words and "reset" in words, f"a fault is shown with its cause and the way out: {words!r}")
+    gone, _ = until(browser, f"document.querySelector('[data-fault=emergency_stop]')?.innerText.includes('gone')", 4)
+    check(gone, f"it stays latched when its cause is gone: {browser.evaluate(FAULTS)}")
     if pictures:
         take_picture(browser, WIDTHS["desktop"], os.path.join(pictures, "view_live.png"))
     left, _ = until(browser, f"{STATE} === 'ready' && {FAULTS}.length === 0", 6)
@@ -334,7 +336,7 @@ def main():
             else:
                 look_at_live_run(browser, check, patella, configuration(source, folder, LIVE_S, FAULT_S, [RESET_S, RESET_S + 1]), folder, pictures)
                 look_at_recording(browser, check, patella, configuration(source, folder, RECORDED_S, RECORDED_FAULT_S, [45.0]), folder, pictures)
-                look_at_memory(browser, check, patella, source, folder, 600, 200)
+                look_at_memory(browser, check, patella, source, folder, 300, 200)
         finally:
             browser.close()
     return 1 if check.failures else 0

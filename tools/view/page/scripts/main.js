@@ -57,6 +57,7 @@ class Run {
     } else if (channel === this.eventChannel) {
       const event = parseEvent(this.decoders.get(channel).decode(view, start).msg);
       if (this.live) this.events = [...this.events.slice(1 - KEPT_EVENTS), event];
+      if (this.live && event.raised.length > 0) this.tell();
     } else if (this.decoders.has(channel)) {
       const timing = this.decoders.get(channel).decode(view, start);
       this.timings = [...this.timings.filter(({ t_s }) => t_s < timing.t_s && t_s > timing.t_s - 70), timing];
@@ -256,17 +257,18 @@ class Run {
     const time = row[this.history.time];
     const at = (name) => row[this.history.indexOf.get(name)];
     setText(byId("time"), `t = ${time.toFixed(2)} s`);
-    this.panels.showState(this.ticks.states.get(at("state")) ?? "unknown");
-    const raisedAt = (name) => this.events.findLast((event) => event.time <= time && event.raised.includes(name))?.time ?? NaN;
-    const faults = this.ticks.faults.filter(([bit]) => (at("faults") & bit) !== 0).map(([, name]) => [name, raisedAt(name)]);
-    this.panels.showFaults(faults.sort((a, b) => (a[1] || 0) - (b[1] || 0)));
-    this.panels.showEvents(this.events, time);
+    const state = this.ticks.states.get(at("state")) ?? "unknown";
+    this.panels.showState(state);
+    const present = this.ticks.faults.filter(([bit]) => (at("faults") & bit) !== 0).map(([, name]) => name);
+    const before = this.events.filter((event) => event.time <= time);
+    this.panels.showFaults(latchedFaults(before, state, present), state === "fault" || state === "limited");
+    this.panels.showEvents(before);
     const { from, to } = this.window();
     const timings = this.timings.filter(({ t_s }) => t_s + 1 > from && t_s < to);
     if (timings.length > 0) this.panels.showTiming(timings.at(-1));
     for (const histogram of this.histograms) if (histogram.visible) histogram.draw(timings);
     const warnings = new Set();
-    for (const event of this.events.filter(({ time: when }) => when <= time)) {
+    for (const event of before) {
       event.warnings.forEach((name) => warnings.add(name));
       event.over.forEach((name) => warnings.delete(name));
     }

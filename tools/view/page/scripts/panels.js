@@ -25,6 +25,21 @@ function parseEvent(line) {
   return event;
 }
 
+/**
+ * Faults that are latched, [name, time, whether it is still there], the first cause first: those that came since torque was
+ * stopped. Ticks say what is there now, and not what is latched. Before all inputs were complete, what is there latches nothing.
+ */
+function latchedFaults(events, state, present) {
+  const latched = new Map();
+  for (const event of events) {
+    if (event.state !== "fault" && event.state !== "limited") latched.clear();
+    else for (const name of event.raised) if (!latched.has(name)) latched.set(name, event.time);
+  }
+  if (state !== "fault" && state !== "limited") return [];
+  for (const name of present) if (!latched.has(name)) latched.set(name, NaN);
+  return [...latched].map(([name, time]) => [name, time, present.includes(name)]);
+}
+
 class Panels {
   constructor(goTo) {
     this.goTo = goTo;
@@ -39,20 +54,21 @@ class Panels {
     setText(node.querySelector("strong"), name);
     document.title = name === "fault" || name === "limited" ? `${name.toUpperCase()} – Patella` : `${name} – Patella`;
   }
-  /** `faults`: [name, time or NaN], in the order in which they came. */
-  showFaults(faults) {
-    const key = JSON.stringify(faults);
+  /** `faults` as latchedFaults() has them; NaN for a time before the page was opened. */
+  showFaults(faults, stopped) {
+    const key = JSON.stringify([faults, stopped]);
     if (key === this.faultsShown) return;
     this.faultsShown = key;
-    byId("fault-card").classList.toggle("latched", faults.length > 0);
-    if (faults.length === 0) {
+    byId("fault-card").classList.toggle("latched", stopped);
+    if (!stopped) {
       byId("faults").replaceChildren(element("p", { class: "none" }, "none"));
       return;
     }
-    byId("faults").replaceChildren(...faults.map(([name, time], i) => {
+    const unknown = faults.length > 0 ? [] : [element("p", {}, "The cause came before this page was opened: see events.log of the run.")];
+    byId("faults").replaceChildren(...unknown, ...faults.map(([name, time, present], i) => {
       const [cause, wayOut] = FAULTS[name] ?? ["A fault that this page does not know.", "See the log of the run."];
       const when = Number.isNaN(time) ? "" : `, t = ${time.toFixed(3)} s`;
-      return element("div", { class: "fault", "data-fault": name }, element("p", {}, element("strong", {}, name), when, i === 0 && faults.length > 1 ? " (first)" : ""),
+      return element("div", { class: "fault", "data-fault": name }, element("p", {}, element("strong", {}, name), when, i === 0 && faults.length > 1 ? ", first" : "", present ? ", still there" : ", gone"),
         element("p", { class: "cause" }, cause), element("p", { class: "way-out" }, wayOut));
     }), element("p", { class: "way-out reset" }, RESET));
   }
@@ -72,8 +88,8 @@ class Panels {
     this.count("Bus, without stuff bits", `${Math.round(1e-3 * bits_s)} kbit/s`);
     this.count("Bus load at 1 Mbit/s", `${((100 * bits_s) / BUS_BITS_S).toFixed(0)} %`);
   }
-  showEvents(events, until) {
-    const shown = events.filter(({ time }) => !(time > until)).slice(-SHOWN_EVENTS).reverse();
+  showEvents(events) {
+    const shown = events.slice(-SHOWN_EVENTS).reverse();
     const key = shown.length === 0 ? "" : `${shown.length} ${shown[0].line}`;
     if (key === this.listed) return;
     this.listed = key;
