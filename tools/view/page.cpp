@@ -4,13 +4,14 @@
 #include <cstdio>
 #include <random>
 #include <string_view>
+#include <utility>
 
 namespace patella::view {
 namespace {
 
-constexpr std::string_view kPage =
+constexpr auto kParts = std::to_array<std::string_view>({
 #include "tools/view/page.inc"
-    ;
+});
 
 }  // namespace
 
@@ -18,17 +19,13 @@ std::string pageFor(PageKind kind, const std::string& nonce) {
   const std::array<std::pair<std::string_view, std::string_view>, 2> marks = {
       {{"@NONCE@", nonce}, {"@KIND@", kind == PageKind::kLive ? "live" : "recording"}}};
   std::string page;
-  for (std::string_view rest = kPage; !rest.empty();) {
-    std::size_t length = 1;
-    std::string_view text = rest.substr(0, 1);
-    for (const auto& [mark, value] : marks) {
-      if (rest.starts_with(mark)) {
-        length = mark.size();
-        text = value;
-      }
+  for (const std::string_view part : kParts) {
+    page += part;
+  }
+  for (const auto& [mark, value] : marks) {
+    for (std::size_t at = page.find(mark); at != std::string::npos; at = page.find(mark, at)) {
+      page.replace(at, mark.size(), value);
     }
-    page += text;
-    rest.remove_prefix(length);
   }
   return page;
 }
