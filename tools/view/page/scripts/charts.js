@@ -79,7 +79,7 @@ class Chart {
   open() {
     if (!CAN_PLOT) return;
     const series = this.curves.map(([, label, dash], i) => ({
-      label, stroke: () => styleOf(`--c${i}`), width: 1.3, dash: dash ? [6, 4] : undefined, points: { show: false }, show: false,
+      label, stroke: () => styleOf(`--c${i}`), width: 1, points: { show: false }, show: false,
     }));
     this.plot = new uPlot({
       width: this.frame.clientWidth, height: HEIGHT, legend: { show: false }, pxAlign: false,
@@ -126,6 +126,8 @@ class Chart {
     if (!this.plot) return;
     const curves = this.columns.map((column, i) =>
       this.shown[i] && !this.hidden[i] ? this.history.curve(column, shared, this.factor) : new Array(shared.times.length).fill(null));
+    // Dashes of a curve that stands for many ticks a pixel cost much and show nothing.
+    this.curves.forEach(([, , dash], i) => (this.plot.series[i + 1].dash = dash && shared.size <= 16 ? [6, 4] : null));
     this.plot.batch(() => {
       this.plot.setData([shared.times, ...curves], false);
       this.plot.setScale("x", { min: from, max: to });
