@@ -218,10 +218,10 @@ Loop::Sent Loop::sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA
   }
   for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
     for (const can::Frame& frame : encoder_.drive(drive).frames(entry_.frames(drive))) {
-      sent.whole = send(frame) && sent.whole;
+      const bool told = send(frame);
+      sent.whole = sent.whole && told;
     }
   }
-  sent.as_computed = sent.as_computed && sent.whole;
   return sent;
 }
 
