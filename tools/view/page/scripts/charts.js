@@ -2,6 +2,7 @@
 const CAN_PLOT = typeof uPlot !== "undefined";
 const DEGREES = 180 / Math.PI;
 const HEIGHT = 190;
+const LARGEST_DASHED = 64; // ticks a bucket
 
 /** Curves of a plot: column, words, and "dash" for what is wished rather than measured. */
 function plotsOf(history) {
@@ -26,7 +27,12 @@ function plotsOf(history) {
   return plots.filter(({ curves }) => curves.length > 0);
 }
 
-const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+/** A colour of the page; they are asked for a hundred times a picture. */
+const colours = new Map();
+function styleOf(name) {
+  if (!colours.has(name)) colours.set(name, getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+  return colours.get(name);
+}
 
 function element(name, attributes = {}, ...children) {
   const node = document.createElement(name);
@@ -127,7 +133,7 @@ class Chart {
     const curves = this.columns.map((column, i) =>
       this.shown[i] && !this.hidden[i] ? this.history.curve(column, shared, this.factor) : new Array(shared.times.length).fill(null));
     // Dashes of a curve that stands for many ticks a pixel cost much and show nothing.
-    this.curves.forEach(([, , dash], i) => (this.plot.series[i + 1].dash = dash && shared.size <= 16 ? [6, 4] : null));
+    this.curves.forEach(([, , dash], i) => (this.plot.series[i + 1].dash = dash && shared.size <= LARGEST_DASHED ? [6, 4] : null));
     this.plot.batch(() => {
       this.plot.setData([shared.times, ...curves], false);
       this.plot.setScale("x", { min: from, max: to });

@@ -19,11 +19,17 @@ class Leg {
   line(kind, at = {}) {
     return this.node("line", { class: kind, ...at });
   }
+  angles(row) {
+    return this.columns.map((columns) => columns.map((column) => (column === undefined ? NaN : row[column])));
+  }
   draw(row) {
-    const angles = this.columns.map((columns) => columns.map((column) => (column === undefined ? NaN : row[column])));
-    this.place(this.limbs, angles[0], true);
-    this.place(this.ghost, angles[1], false);
-    const [hip, knee] = angles[0].map((angle) => (Number.isNaN(angle) ? "unknown" : `${Math.round((180 / Math.PI) * angle)} degrees`));
+    const [measured, reference] = this.angles(row);
+    this.place(this.limbs, measured, true);
+    this.place(this.ghost, reference, false);
+  }
+  /** The same in words. */
+  tell(row) {
+    const [hip, knee] = this.angles(row)[0].map((angle) => (Number.isNaN(angle) ? "unknown" : `${Math.round(DEGREES * angle)} degrees`));
     const words = `The leg from the side, as far as it is measured; dashed: the reference. First joint ${hip}, second joint ${knee}.`;
     if (this.svg.getAttribute("aria-label") !== words) this.svg.setAttribute("aria-label", words);
   }

@@ -184,6 +184,7 @@ class Run {
     });
     const theme = (dark) => {
       document.documentElement.dataset.theme = dark ? "dark" : "light";
+      colours.clear();
       this.dirty = true;
     };
     const wish = matchMedia("(prefers-color-scheme: dark)");
@@ -243,7 +244,8 @@ class Run {
   draw(everything) {
     const { from, to } = this.window();
     if (Number.isNaN(from)) return;
-    const shared = this.history.buckets(from, to, Math.max(this.charts[0].frame.clientWidth, 200));
+    // Two values a bucket: one a pixel.
+    const shared = this.history.buckets(from, to, Math.max(this.charts[0].frame.clientWidth / 2, 100));
     for (const chart of this.charts) if (chart.visible || everything) chart.draw(from, to, shared);
     this.leg.draw(this.current());
   }
@@ -263,6 +265,7 @@ class Run {
     const time = row[this.history.time];
     const at = (name) => row[this.history.indexOf.get(name)];
     setText(byId("time"), `t = ${time.toFixed(2)} s`);
+    this.leg.tell(row);
     const state = this.ticks.states.get(at("state")) ?? "unknown";
     this.panels.showState(state);
     const present = this.ticks.faults.filter(([bit]) => (at("faults") & bit) !== 0).map(([, name]) => name);
