@@ -112,8 +112,10 @@ class History {
           if (this.most[column][block] > high) high = this.most[column][block];
         }
       }
-      curve[2 * i] = low <= high ? factor * low : null;
-      curve[2 * i + 1] = low <= high ? factor * high : null;
+      // In the order in which they came, as far as the ends of the bucket tell: a curve that falls has no steps upwards.
+      const falls = values[n & (CAPACITY - 1)] > values[(end - 1) & (CAPACITY - 1)];
+      curve[2 * i] = low <= high ? factor * (falls ? high : low) : null;
+      curve[2 * i + 1] = low <= high ? factor * (falls ? low : high) : null;
     }
     return curve;
   }
