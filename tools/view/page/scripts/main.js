@@ -154,7 +154,7 @@ class Run {
   marks() {
     return this.events.flatMap((event, i) => {
       const raised = event.raised.length > 0;
-      return raised || event.state !== this.events[i - 1]?.state ? [{ time: event.time, raised }] : [];
+      return raised || (i > 0 && event.state !== this.events[i - 1].state) ? [{ time: event.time, raised }] : [];
     });
   }
 
