@@ -78,7 +78,7 @@ fi
 # The programs of the package, then the package.
 run_package() {
   local preset=$1 status=0
-  build "$preset" "patella patella-rig patella-convert patella-report patella_man_pages"
+  build "$preset" patella_package
   headline "package: $preset"
   rm -f "build/$preset"/*.deb
   (cd "build/$preset" && cpack -G DEB >cpack.log 2>&1) || { cat "build/$preset/cpack.log"; exit 1; }
@@ -139,6 +139,7 @@ headline "style"
 tools/checks/dependencies.sh
 tools/checks/bounds.sh
 tools/checks/thresholds.sh
+tools/checks/palette.sh
 tools/checks/format.sh
 headline "documentation of the API"
 tools/checks/api.sh
