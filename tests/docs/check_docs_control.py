@@ -49,6 +49,7 @@ BAD = [
     ("README.md", "```\ntrue && A=1 patella run --walk\n```", "command: patella run has no option --walk"),
     ("README.md", "`cmake --preset gone`", "command: cmake: there is no preset 'gone'"),
     ("README.md", "`cmake --build --preset release --target gone`", "command: cmake: there is no target 'gone'"),
+    ("README.md", "`cmake --build --preset release --gone`", "command: cmake: unknown option --gone"),
     ("README.md", "`cmake --preset release -DPATELLA_GONE=1`", "command: cmake: nothing reads PATELLA_GONE"),
     (MANUAL, "\\-\\-gone", "patella-rig.1: manual: names --gone, which patella-rig does not know"),
 ]
