@@ -86,8 +86,10 @@ kill -INT "$loop"
 wait "$loop" || [ $? -eq 3 ] || fail "the watched run: $(cat "$notes/live")"  # 3: this machine stood still
 wait "$view" || fail "patella view ended with $?: $(cat "$notes/view")"
 
-echo "== remove"
+echo "== install once more, and remove"
 echo "# edited by the administrator" >>/etc/patella/rig.toml
+dpkg --install /patella.deb >"$notes/again" 2>&1 || fail "the package does not install over itself: $(tail -n 5 "$notes/again")"
+grep -q edited /etc/patella/rig.toml || fail "installing once more lost an edited configuration"
 dpkg --remove patella >/dev/null
 [ ! -e /usr/bin/patella ] || fail "removal left /usr/bin/patella"
 grep -q edited /etc/patella/rig.toml || fail "removal lost an edited configuration"
