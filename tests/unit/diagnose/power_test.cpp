@@ -1,6 +1,7 @@
 // Sizes of effects that a recording would have revealed.
 #include "tools/diagnose/verdict/power.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,7 +11,9 @@
 #include <doctest/doctest.h>
 
 #include "tests/unit/diagnose/recordings.hpp"
+#include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/rehearsal.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
@@ -23,9 +26,9 @@ const model::ModelDescription kModel{
     .effects = {}};
 
 /// The model's own swing, and white noise on its torque.
-Recording noisy(double duration_s, double noise_Nm) {
+Recording noisy(double duration_s, double noise_Nm, std::uint64_t seed = 20260208) {
   Recording recording = swing(duration_s);
-  std::mt19937_64 random(20260208);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0.0, noise_Nm);
   for (std::size_t i = 0; i < recording.rows(); ++i) {
     const double q = recording.position_rad[0][i];
@@ -40,12 +43,26 @@ double smallest_Nm(double duration_s, double noise_Nm) {
   const Dataset data(std::array{noisy(duration_s, noise_Nm)}, DatasetOptions{});
   ModelFitter fitter(data, kModel, {});
   const ModelFit fit = fitter.nominal();
-  const Column column = data.column({}, [](const Series& series, std::size_t i) -> JointVector {
-    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
-  });
+  const Column column = alternating(data);
   const Detector detector(data, fit, kThreshold);
   const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
   return smallestTorque_Nm(detector.of(column, 0), kThreshold, left_Nm, 0.0);
+}
+
+Column alternating(const Dataset& data) {
+  return data.column({}, [](const Series& series, std::size_t i) -> JointVector {
+    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
+  });
+}
+
+/// Smallest strength of a column that a rehearsal asserts, in steps of a tenth.
+double smallestAsserted(const Rehearsal& rehearsal) {
+  for (double strength = 1e-3; strength < 1e3; strength *= 1.1) {
+    if (rehearsal.asserts(strength)) {
+      return strength;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -63,9 +80,7 @@ TEST_CASE("a torque that the given parameters take up is revealed at no size tha
   const ModelFit fit = fitter.nominal();
   const Detector detector(data, fit, kThreshold);
   const Detectable own = detector.of(fit.tangent.col(0), 0);
-  const Column apart = data.column({}, [](const Series& series, std::size_t i) -> JointVector {
-    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
-  });
+  const Column apart = alternating(data);
   CHECK(own.own_share < 0.2);
   CHECK(detector.of(apart, 0).own_share > 0.95);
   CHECK(smallestTorque_Nm(own, kThreshold, 0.1, 0.0) >
@@ -84,4 +99,45 @@ TEST_CASE("what nothing explains has to be outweighed") {
 TEST_CASE("a torque of no shape of its own is never revealed") {
   const Detectable nothing{.in_noise = std::numeric_limits<double>::infinity(), .own_share = 0.0};
   CHECK(std::isinf(smallestTorque_Nm(nothing, kThreshold, 0.1, 0.0)));
+}
+
+TEST_CASE("a rehearsal asserts what outweighs the rest, and nothing that the parameters take up") {
+  const Dataset data(std::array{noisy(20.0, 0.1)}, DatasetOptions{});
+  ModelFitter fitter(data, kModel, {});
+  const ModelFit fit = fitter.nominal();
+  const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
+  const Obstacles sensors_only{.chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}};
+  const Obstacles all_unexplained{.chance = 10.0, .noise_Nm = {0.0}, .structure_Nm = {left_Nm}};
+  const double above_chance = smallestAsserted({data, fit, sensors_only, alternating(data), 0});
+  const double above_rest = smallestAsserted({data, fit, all_unexplained, alternating(data), 0});
+  const double sine_rms = std::sqrt(0.5);
+  CHECK(above_chance * sine_rms < left_Nm);
+  CHECK(above_rest * sine_rms > asserted::kOverRest * left_Nm);
+  CHECK(above_rest * sine_rms < 2.5 * asserted::kOverRest * left_Nm);
+  CHECK(std::isinf(smallestAsserted({data, fit, sensors_only, fit.tangent.col(0), 0})));
+}
+
+TEST_CASE("a diagnosis finds what it said would show, and not a quarter of it") {
+  const Diagnosis plain = diagnose::diagnose(std::array{noisy(20.0, 0.2)}, {}, kModel, {});
+  const auto revealed = std::find_if(plain.revealed.begin(), plain.revealed.end(),
+                                     [](const Revealed& r) { return r.kind == "torque_bias"; });
+  REQUIRE(revealed != plain.revealed.end());
+  REQUIRE(std::isfinite(revealed->smallest_size));
+  const auto foundOf = [&](double bias_Nm) {
+    int found = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      Recording recording = noisy(20.0, 0.2, seed);
+      for (double& torque_Nm : recording.torque_Nm[0]) {
+        torque_Nm += bias_Nm;
+      }
+      const Diagnosis diagnosis = diagnose::diagnose(std::array{recording}, {}, kModel, {});
+      found += std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                           [](const EffectFinding& effect) { return effect.kind == "torque_bias"; })
+                   ? 1
+                   : 0;
+    }
+    return found;
+  };
+  CHECK(foundOf(revealed->smallest_size) >= 3);
+  CHECK(foundOf(0.25 * revealed->smallest_size) <= 1);
 }

@@ -77,6 +77,7 @@ class Selector {
     }
     SelectionStep step = describeStep(candidates, threshold, cost_);
     step.p_value = p_value;
+    step.chance = threshold;
     const bool accepted = best != nullptr && best->refused_because.empty();
     if (accepted) {
       step.ranking[static_cast<std::size_t>(best - candidates.data())].accepted = true;
