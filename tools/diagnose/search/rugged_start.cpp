@@ -71,19 +71,21 @@ std::vector<double> lowest(const Height& height, std::vector<double> among,
 
 }  // namespace
 
-std::vector<double> ruggedStart(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
-                                std::vector<double> nu) {
+std::optional<std::vector<double>> ruggedStart(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
+                                               std::vector<double> nu, double worth) {
   const bool rugged = std::any_of(recipe.nonlinear.begin(), recipe.nonlinear.end(),
                                   [](const NonlinearParameter& range) { return range.step > 0.0; });
   if (!rugged || recipe.coefficients() > 0) {
     return nu;
   }
   const Eigen::MatrixXd explained = takenUp(fit, fit.prior_weight);
-  const Height left = [&](const std::vector<double>& at) {
-    const Eigen::VectorXd white = fit.weighting->apply(fit.residual - fitter.basis(recipe, at));
+  const auto leftOf = [&](const Eigen::VectorXd& residual) {
     Eigen::VectorXd rest(explained.rows());
-    rest << white, fit.prior_residual;
+    rest << fit.weighting->apply(residual), fit.prior_residual;
     return rest.squaredNorm() - (explained.transpose() * rest).squaredNorm();
+  };
+  const Height left = [&](const std::vector<double>& at) {
+    return leftOf(fit.residual - fitter.basis(recipe, at));
   };
   // Weighting sharpens what impacts leave: an impact at the wrong time is worse than none. Without it valleys
   // are wide enough for the grid to find.
@@ -96,6 +98,9 @@ std::vector<double> ruggedStart(ModelFitter& fitter, const ModelFit& fit, const 
   };
   std::vector<std::vector<double>> starts = recipe.grid;
   starts.insert(starts.end(), recipe.valleys.begin(), recipe.valleys.end());
+  if (leftOf(fit.residual) - left(lowest(left, nu, starts)) < worth) {
+    return std::nullopt;
+  }
   const std::vector<double> widest = lowest(left_plain, nu, starts);
   starts.push_back(downhill(recipe, left_plain, nu));
   starts.push_back(downhill(recipe, left_plain, widest));
