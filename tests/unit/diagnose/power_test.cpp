@@ -38,6 +38,13 @@ Recording noisy(double duration_s, double noise_Nm, std::uint64_t seed = 2026020
   return recording;
 }
 
+/// A torque that changes faster than the swing.
+Column alternating(const Dataset& data) {
+  return data.column({}, [](const Series& series, std::size_t i) -> JointVector {
+    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
+  });
+}
+
 /// Smallest torque of a column that alternates faster than the swing, which the model cannot take up.
 double smallest_Nm(double duration_s, double noise_Nm) {
   const Dataset data(std::array{noisy(duration_s, noise_Nm)}, DatasetOptions{});
@@ -47,12 +54,6 @@ double smallest_Nm(double duration_s, double noise_Nm) {
   const Detector detector(data, fit, kThreshold);
   const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
   return smallestTorque_Nm(detector.of(column, 0), kThreshold, left_Nm, 0.0);
-}
-
-Column alternating(const Dataset& data) {
-  return data.column({}, [](const Series& series, std::size_t i) -> JointVector {
-    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
-  });
 }
 
 /// Smallest strength of a column that a rehearsal asserts, in steps of a tenth.

@@ -384,7 +384,8 @@ class PlantedCases {
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
     const Recording recording = part(half.source->recording, from, from + length);
     const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
-    const std::optional<diagnose::Diagnosis> best = plain ? decideWithBest(recording, plain->extended) : std::nullopt;
+    const std::optional<diagnose::Diagnosis> best =
+        plain ? decideWithBest(recording, plain->extended) : std::nullopt;
     const std::optional<Plant> plant =
         best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
     std::optional<diagnose::Diagnosis> answer;

@@ -36,11 +36,6 @@ std::string wrongSign(ModelFitter& fitter, const Candidate& candidate) {
   return name;
 }
 
-// What a fit leaves under the weighting of `current`, with what is known beforehand.
-double weightedSquares(const ModelFit& fit, const ModelFit& current) {
-  return current.weighting->apply(fit.residual).squaredNorm() + fit.prior_residual.squaredNorm();
-}
-
 }  // namespace
 
 double parameterCost(const ModelFit& fit) {
@@ -111,20 +106,14 @@ std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, doub
   return best;
 }
 
-void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, double worth,
-                  Candidate& candidate) {
+void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Candidate& candidate) {
   std::optional<ModelFit> start = withCandidate(fitter, current, *candidate.atom, *candidate.screened);
   if (!start) {
     candidate.refused_because = "given by others";
     return;
   }
   Term& term = start->terms.back();
-  if (auto nu = ruggedStart(fitter, current, *term.recipe, term.nu, worth)) {
-    term.nu = std::move(*nu);
-  } else {
-    candidate.refused_because = "bic";
-    return;
-  }
+  term.nu = ruggedStart(fitter, current, *term.recipe, term.nu);
   candidate.fit = fitter.fit(std::move(*start), *current.weighting);
   const auto added =
       static_cast<Eigen::Index>(candidate.fit->terms.back().c.size() + candidate.fit->terms.back().nu.size());
@@ -163,9 +152,7 @@ Candidate* fitBest(ModelFitter& fitter, const ModelFit& current, double cost,
         candidate.score < accepted::kNearBest * (current.objective - best->fit->objective)) {
       break;
     }
-    const double explained =
-        best == nullptr ? 0.0 : weightedSquares(current, current) - weightedSquares(*best->fit, current);
-    fitCandidate(fitter, current, cost, std::max(cost, accepted::kNearBest * explained), candidate);
+    fitCandidate(fitter, current, cost, candidate);
     if (candidate.refused_because.empty() && (best == nullptr || better(candidate, *best))) {
       best = &candidate;
     }

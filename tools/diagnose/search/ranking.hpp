@@ -47,10 +47,8 @@ bool unphysical(const std::string& refusal);
 /// shown, not fitted. A parameter costs `cost`.
 std::vector<Candidate> rank(const Atoms& atoms, const Screening& screening, double cost);
 
-/// Fits a candidate beside what is there already, and refuses it where physics or its cost does. One that
-/// takes simulations is not fitted where a coarse look explains less than `worth` of the weighted squares.
-void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, double worth,
-                  Candidate& candidate);
+/// Fits a candidate beside what is there already, and refuses it where physics or its cost does.
+void fitCandidate(ModelFitter& fitter, const ModelFit& current, double cost, Candidate& candidate);
 
 /// Fits the most promising candidates, the first of the list, and returns the best that neither physics nor
 /// its cost refuses; nullptr where there is none.

@@ -71,21 +71,19 @@ std::vector<double> lowest(const Height& height, std::vector<double> among,
 
 }  // namespace
 
-std::optional<std::vector<double>> ruggedStart(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
-                                               std::vector<double> nu, double worth) {
+std::vector<double> ruggedStart(ModelFitter& fitter, const ModelFit& fit, const Recipe& recipe,
+                                std::vector<double> nu) {
   const bool rugged = std::any_of(recipe.nonlinear.begin(), recipe.nonlinear.end(),
                                   [](const NonlinearParameter& range) { return range.step > 0.0; });
   if (!rugged || recipe.coefficients() > 0) {
     return nu;
   }
   const Eigen::MatrixXd explained = takenUp(fit, fit.prior_weight);
-  const auto leftOf = [&](const Eigen::VectorXd& residual) {
-    Eigen::VectorXd rest(explained.rows());
-    rest << fit.weighting->apply(residual), fit.prior_residual;
-    return rest.squaredNorm() - (explained.transpose() * rest).squaredNorm();
-  };
   const Height left = [&](const std::vector<double>& at) {
-    return leftOf(fit.residual - fitter.basis(recipe, at));
+    const Eigen::VectorXd white = fit.weighting->apply(fit.residual - fitter.basis(recipe, at));
+    Eigen::VectorXd rest(explained.rows());
+    rest << white, fit.prior_residual;
+    return rest.squaredNorm() - (explained.transpose() * rest).squaredNorm();
   };
   // Weighting sharpens what impacts leave: an impact at the wrong time is worse than none. Without it valleys
   // are wide enough for the grid to find.
@@ -98,9 +96,6 @@ std::optional<std::vector<double>> ruggedStart(ModelFitter& fitter, const ModelF
   };
   std::vector<std::vector<double>> starts = recipe.grid;
   starts.insert(starts.end(), recipe.valleys.begin(), recipe.valleys.end());
-  if (leftOf(fit.residual) - left(lowest(left, nu, starts)) < worth) {
-    return std::nullopt;
-  }
   const std::vector<double> widest = lowest(left_plain, nu, starts);
   starts.push_back(downhill(recipe, left_plain, nu));
   starts.push_back(downhill(recipe, left_plain, widest));

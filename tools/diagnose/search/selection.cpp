@@ -138,7 +138,7 @@ class Selector {
     const auto isClearer = [&](Candidate& candidate) {
       if (candidate.refused_because.empty() && !candidate.fit &&
           candidate.screened->gain - cost_ * candidate.screened->dimensions > margin) {
-        fitCandidate(fitter_, current, cost_, cost_, candidate);
+        fitCandidate(fitter_, current, cost_, candidate);
       }
       return candidate.refused_because.empty() && candidate.fit && candidate.margin > margin;
     };

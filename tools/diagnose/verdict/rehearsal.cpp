@@ -24,8 +24,8 @@ constexpr std::uint64_t kSeed = 20011;
 
 /// Normal equations of a weighted fit, with what is known of its parameters.
 struct Equations {
-  Eigen::MatrixXd slope;    ///< weighted
-  Eigen::VectorXd length;   ///< of its columns and what is known, to which they are scaled
+  Eigen::MatrixXd slope;   ///< weighted
+  Eigen::VectorXd length;  ///< of its columns and what is known, to which they are scaled
   Eigen::LDLT<Eigen::MatrixXd> normal;
 
   Equations(const Weighting& weighting, const Eigen::MatrixXd& columns, const Eigen::VectorXd& prior_weight)
@@ -74,6 +74,10 @@ Rehearsal::Rehearsal(const Dataset& data, const ModelFit& fit, const Obstacles& 
   const double by_structure = obstacles.structure_Nm[static_cast<std::size_t>(joint)] /
                               (std::sqrt(asserted::kLooks) * std::max(own_Nm, 1e-300));
   spread_ = std::max(by_noise, by_structure);
+  // What is left holds some of the shape already, and may hold as much against an effect.
+  const double held =
+      equations.solve(equations.slope.transpose() * with.weighting->apply(fit.residual))[place];
+  against_ = std::max(shown::kFourInFive * spread_, std::abs(held));
 }
 
 ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const Weighting& weighting,
@@ -127,9 +131,8 @@ bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with) const {
   double share = 0.0;
   for (int joint = 0; joint < data_.joints(); ++joint) {
     const double before = jointRms(data_, without.residual, joint);
-    share = std::max(share, before > 0.0
-                                ? 1.0 - std::pow(jointRms(data_, with.residual, joint) / before, 2)
-                                : 0.0);
+    share = std::max(share,
+                     before > 0.0 ? 1.0 - std::pow(jointRms(data_, with.residual, joint) / before, 2) : 0.0);
   }
   const double relief = (without.prior_residual.squaredNorm() - with.prior_residual.squaredNorm()) /
                         std::pow(with.prior_scale, 2);
@@ -160,7 +163,7 @@ bool Rehearsal::outweighsRest(const ModelFit& without, const ModelFit& with) con
 }
 
 bool Rehearsal::asserts(double strength) const {
-  const double seen = strength - shown::kFourInFive * spread_;
+  const double seen = strength - against_;
   if (!(seen > 0.0)) {
     return false;
   }

@@ -45,7 +45,8 @@ class Rehearsal {
   Eigen::VectorXd shape_;
   Eigen::VectorXd rest_;  ///< what is left with the effect fitted: nothing of it is in there
   NoiseProcess noise_;
-  double spread_;  ///< standard deviation of the strength
+  double spread_;   ///< standard deviation of the strength
+  double against_;  ///< strength that four of five recordings hold against an effect at most
 };
 
 }  // namespace patella::diagnose
