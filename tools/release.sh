@@ -89,8 +89,8 @@ package() {
       -DCMAKE_CXX_FLAGS="-ffile-prefix-map=$PWD=/usr/src/$name" >"$work/$architecture.log" 2>&1 ||
       { cat "$work/$architecture.log" >&2; fail "$architecture cannot be configured"; }
     progress "$architecture: build"
-    cmake --build --preset "$preset" --target patella patella-rig patella-convert patella-report patella_man_pages \
-      >"$work/$architecture.log" 2>&1 || { tail -n 40 "$work/$architecture.log" >&2; fail "$architecture cannot be built"; }
+    cmake --build --preset "$preset" --target patella_package >"$work/$architecture.log" 2>&1 ||
+      { tail -n 40 "$work/$architecture.log" >&2; fail "$architecture cannot be built"; }
   )
   progress "$architecture: Debian package"
   (cd "$build" && cpack -G DEB >"$work/$architecture.log" 2>&1) ||

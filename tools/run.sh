@@ -30,9 +30,15 @@ headline() { printf '\n== %s\n' "$*"; }
 
 # On a terminal, what Ninja says; elsewhere a line for every tenth of the work, and every line that is not progress.
 progress() {
-  awk '!match($0, /^\[[0-9]+\/[0-9]+/) { print; fflush(); next }
-    { split(substr($0, 2, RLENGTH - 1), step, "/"); tenth = int(10 * step[1] / step[2])
-      if (tenth != last) { print; fflush(); last = tenth } }'
+  local line tenth last=
+  while IFS= read -r line; do
+    if [[ $line =~ ^\[([0-9]+)/([0-9]+), ]]; then
+      tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+      [ "$tenth" != "$last" ] || continue
+      last=$tenth
+    fi
+    printf '%s\n' "$line"
+  done
 }
 # Builds programs: build WHAT_FOR PROGRAM...
 build() {
@@ -67,7 +73,7 @@ if [ "$status" = 3 ]; then
 fi
 [ "$status" = 0 ] || exit "$status"
 
-build "the report and the rig" patella-report patella-rig
+build "the report" patella-report
 $bin/tools/report/patella-report "$out/live" --png "$out/live/report.png"
 
 headline "the same log played back"

@@ -25,7 +25,20 @@ case "${1:-}" in
     ;;
 esac
 
-headline() { printf '\n== %s\n' "$*"; }
+# Each part begins with its name and the seconds since the start; the end says how long each took.
+parts=()
+headline() {
+  parts+=("$SECONDS $*")
+  printf '\n== [%4d s] %s\n' "$SECONDS" "$*"
+}
+times() {
+  local index next
+  headline "end"
+  for ((index = 0; index < ${#parts[@]} - 1; ++index)); do
+    next=${parts[index + 1]%% *}
+    printf '%6d s  %s\n' "$((next - ${parts[index]%% *}))" "${parts[index]#* }"
+  done
+}
 # build PRESET "TARGET..." [CMAKE_ARGUMENT...]
 build() {
   local preset=$1 targets
@@ -78,7 +91,7 @@ fi
 # The programs of the package, then the package.
 run_package() {
   local preset=$1 status=0
-  build "$preset" "patella patella-rig patella-convert patella-report patella_man_pages"
+  build "$preset" patella_package
   headline "package: $preset"
   rm -f "build/$preset"/*.deb
   (cd "build/$preset" && cpack -G DEB >cpack.log 2>&1) || { cat "build/$preset/cpack.log"; exit 1; }
@@ -139,6 +152,7 @@ headline "style"
 tools/checks/dependencies.sh
 tools/checks/bounds.sh
 tools/checks/thresholds.sh
+tools/checks/palette.sh
 tools/checks/format.sh
 headline "documentation of the API"
 tools/checks/api.sh
@@ -170,7 +184,8 @@ tests/fuzz/run.sh short
 headline "lint"
 tools/checks/tidy.sh build/release
 
+times
 if [ ${#skipped[@]} -gt 0 ]; then
-  headline "passed, but for ${#skipped[@]} parts that were SKIPPED"
+  printf '\n== %s\n' "passed, but for ${#skipped[@]} parts that were SKIPPED"
   printf '  %s\n' "${skipped[@]}"
 fi

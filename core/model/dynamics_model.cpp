@@ -32,6 +32,16 @@ DynamicsModel::DynamicsModel(std::unique_ptr<Mechanism> mechanism,
   }
 }
 
+std::array<DriveLateness, kMaxJoints> DynamicsModel::driveLateness() const noexcept {
+  std::array<DriveLateness, kMaxJoints> sum{};
+  for (const std::unique_ptr<Effect>& effect : effects_) {
+    DriveLateness& joint = sum[static_cast<std::size_t>(effect->joint())];
+    joint.delay_s += effect->lateness().delay_s;
+    joint.lag_s += effect->lateness().lag_s;
+  }
+  return sum;
+}
+
 ModelTerms DynamicsModel::evaluate(const EffectInput& input) const noexcept {
   ModelTerms terms;
   terms.inertia = mechanism_->inertia(input.q);

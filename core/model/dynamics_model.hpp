@@ -1,6 +1,7 @@
 // Mechanism plus effects: the model that the loop loads, evaluated once a tick.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +29,9 @@ class DynamicsModel {
   int joints() const noexcept { return mechanism_->joints(); }
   const Mechanism& mechanism() const noexcept { return *mechanism_; }
   std::span<const std::unique_ptr<Effect>> effects() const noexcept { return effects_; }
+
+  /// Of each joint's drive: what all its effects add up to.
+  std::array<DriveLateness, kMaxJoints> driveLateness() const noexcept;
 
   ModelTerms evaluate(const EffectInput& input) const noexcept PATELLA_NONBLOCKING;
   /// Torque that produces ddq, N·m.

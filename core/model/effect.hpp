@@ -45,6 +45,12 @@ struct EffectDescriptor {
   bool of_drive = false;
 };
 
+/// A drive's torque is that of its command delay_s before, behind a first-order low-pass of lag_s.
+struct DriveLateness {
+  double delay_s = 0.0;
+  double lag_s = 0.0;
+};
+
 /// Adds to the equation of motion:  (I + ΔI) ddq + C dq + K = tau + torque().
 ///
 /// Some effects have a memory (lag, delay, hysteresis, a motor behind a spring). It belongs to the instant of
@@ -74,6 +80,8 @@ class Effect {
   virtual JointMatrix inertia(const JointVector& q) const noexcept {
     return JointMatrix::Zero(q.size(), q.size());
   }
+  /// What the effect makes of the time from a drive's command to its torque; nothing for most effects.
+  virtual DriveLateness lateness() const noexcept { return {}; }
   /// Moves the memory to the instant of `input`, dt_s > 0 after the last; stateless effects do nothing.
   virtual void advance(const EffectInput& /*input*/, double /*dt_s*/) noexcept {}
   /// Forgets the memory, as when the loop is enabled anew: `input` has lasted for ever.

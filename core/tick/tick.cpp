@@ -56,6 +56,7 @@ Tick::Tick(const TickSettings& settings, model::DynamicsModel model,
       emg_(settings.emg),
       control_(front_.joints(), settings.gains),
       reference_(front_.joints(), settings.reference),
+      anticipation_(front_.joints(), front_.model().driveLateness(), settings.period_s),
       encoder_monitor_(front_.joints(), checked(settings.monitors).encoder),
       drive_monitor_(front_.joints(), settings.monitors.drive, settings.limits, settings.period_s),
       emg_monitor_(settings.monitors.emg, usedElectrodes(settings, front_.joints()), settings.emg.rate_Hz,
@@ -193,11 +194,41 @@ void Tick::demand(const TickInput& input) noexcept {
     zero(output_.control, joints());
     return;
   }
-  output_.reference = reference_.at(input.time_s - active_since_s_);
+  const double active_s = input.time_s - active_since_s_;
+  output_.reference = reference_.at(active_s);
+  if (anticipation_.needed()) {
+    output_.control = demandAhead(active_s);
+    return;
+  }
   const JointVector gravity = front_.model().mechanism().gravity(front_.state().q);
   const JointVector emg_torque = front_.emgTorque(output_.activation);
   output_.control = control_.compute({front_.terms(), gravity, output_.reference, front_.state().q,
                                       front_.state().dq, emg_torque, compensated()});
+}
+
+// A late drive is told what the leg needs when the torque arrives.
+control::ControlOutput Tick::demandAhead(double active_s) noexcept {
+  model::EffectInput ahead = front_.state();
+  const JointVector& f_hat = compensated();
+  anticipation_.lookAhead(front_.terms(), f_hat, ahead.q, ahead.dq);
+  control::ReferencePoint reference = output_.reference;
+  for (Eigen::Index joint = 0; joint < joints(); ++joint) {
+    if (const double late_s = anticipation_.lateness_s(joint); late_s > 0.0) {
+      const control::ReferencePoint then = reference_.at(active_s + late_s);
+      reference.q[joint] = then.q[joint];
+      reference.dq[joint] = then.dq[joint];
+      reference.ddq[joint] = then.ddq[joint];
+    }
+  }
+  const model::ModelTerms terms = front_.model().evaluate(ahead);
+  control::ControlOutput output =
+      control_.compute({terms, front_.model().mechanism().gravity(ahead.q), reference, ahead.q, ahead.dq,
+                        front_.emgTorque(output_.activation), f_hat});
+  // What a lagging drive needs on top is the model's, too.
+  const JointVector more_Nm = anticipation_.quickening(output.total);
+  output.model += more_Nm;
+  output.total += more_Nm;
+  return output;
 }
 
 safety::FaultSet Tick::monitor(const TickInput& input) noexcept {
@@ -252,6 +283,7 @@ void Tick::decide(const TickInput& input) noexcept {
   output_.command.enable = decision.torque_allowed;
   output_.command.state = static_cast<std::uint8_t>(decision.state);
   drive_monitor_.commanded(output_.command);
+  anticipation_.commanded(output_.command.torque_Nm);
   last_command_Nm_ = output_.command.torque_Nm;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/control/control_law.hpp"
+#include "core/control/drive_anticipation.hpp"
 #include "core/control/reference_trajectory.hpp"
 #include "core/emg/emg_chain.hpp"
 #include "core/emg/emg_torque_map.hpp"
@@ -106,6 +107,7 @@ class Tick {
   void estimate(const TickInput& input) noexcept;
   void estimateNetwork(int encoder_steps) noexcept;
   void demand(const TickInput& input) noexcept;
+  control::ControlOutput demandAhead(double active_s) noexcept;
   safety::FaultSet monitor(const TickInput& input) noexcept;
   const JointVector& compensated() noexcept;
   void decide(const TickInput& input) noexcept;
@@ -121,6 +123,7 @@ class Tick {
   emg::EmgChain emg_;
   control::ControlLaw control_;
   control::ReferenceTrajectory reference_;
+  control::DriveAnticipation anticipation_;
   safety::EncoderMonitor encoder_monitor_;
   safety::DriveMonitor drive_monitor_;
   safety::EmgMonitor emg_monitor_;

@@ -4,6 +4,7 @@
 
 #include "drivers/can/binding_check.hpp"
 #include "drivers/can/bus_load.hpp"
+#include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
@@ -33,6 +34,29 @@ void tellBusLoad(const RunConfig& config) {
                    share > 1.0 ? ", which is more than it carries" : ""));
 }
 
+void tellStability(const RunConfig& config) {
+  int number = 0;
+  for (const JointStability& joint : jointStability(config)) {
+    ++number;
+    const std::string drive =
+        joint.lateness_s > 0.0
+            ? fmt::format("torque late by {:.3g} ms, looked ahead over", 1e3 * joint.lateness_s)
+            : "torque on time";
+    const control::PhaseMargin& own = joint.with_model;
+    if (own.frequency_Hz == 0.0) {
+      line(true, true, "stability", fmt::format("joint {}: no feedback; {}", number, drive));
+      continue;
+    }
+    line(joint.within_tolerance.margin_deg >= control::kLeastMargin_deg, false, "stability",
+         fmt::format(
+             "joint {}: phase margin {:.0f}° at {:.2g} Hz, {:.0f}° at {:.2g} Hz with an inertia {:.0f} % "
+             "off; {:.3g} to {:.3g} kg·m²; {}",
+             number, own.margin_deg, own.frequency_Hz, joint.within_tolerance.margin_deg,
+             joint.within_tolerance.frequency_Hz, 100.0 * control::kInertiaTolerance,
+             joint.lowest_inertia_kg_m2, joint.highest_inertia_kg_m2, drive));
+  }
+}
+
 }  // namespace
 
 bool checkRun(const RunConfig& config, bool require_rt) {
@@ -60,6 +84,8 @@ bool checkRun(const RunConfig& config, bool require_rt) {
     line(false, false, "bus map", remark);
   }
   tellBusLoad(config);
+  tellStability(config);
+  requireStable(config);
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
   const bool unsealed = config.weights && !config.weights_sealed;
   line(!unsealed, false, "weights",

@@ -19,6 +19,7 @@
 #include "drivers/can/replay_bus.hpp"
 #include "drivers/can/socketcan_bus.hpp"
 #include "drivers/signal_stack.hpp"
+#include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/standard_streams.hpp"
 #include "firmware_app/loop/loop.hpp"
@@ -253,6 +254,9 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                   const std::atomic<bool>& stop) {
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
+  }
+  if (config.backend.kind != BackendKind::kReplay) {
+    requireStable(config);  // a log moves nothing
   }
   warnOfWeights(config);
   const SignalStack signal_stack;

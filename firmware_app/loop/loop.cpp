@@ -182,26 +182,18 @@ const Command& Loop::sendCommand(const Command& command,
     return stop_;  // the handler of the signal that ends the process has the encoder, the bus and the line
   }
   encode(command);
-  enter(probe_, Stage::kSend);
-  if (EmergencyExit::begun()) {
-    return stop_;
-  }
-  const bool allowed = !command.enable || fresh(measured_ns);
-  if (!allowed) {
-    encode(stop_);
-  }
-  const bool gone = sendAll();
-  send_failures_.update(!gone, 1.0);
-  sent_wall_ns_ = gone && sent_count_ > 0 ? sent_[encoder_.size() - 1].wall_ns : 0;
+  const Sent sent = sendAll(command.enable, measured_ns);
+  send_failures_.update(!sent.whole, 1.0);
+  sent_wall_ns_ = sent.whole && sent_count_ > 0 ? sent_[encoder_.size() - 1].wall_ns : 0;
   enter(probe_, Stage::kLinesOut);
   // The enable line follows the command only when every drive could be told.
-  setLine(allowed && command.enable && gone, measured_ns);
+  setLine(sent.as_computed && command.enable, measured_ns);
   enter(probe_, Stage::kRecord);
   for (std::size_t i = 0; i < sent_count_; ++i) {
     sink_.frame(sent_[i]);
   }
   enter(probe_, Stage::kLinesOut);
-  return allowed && (gone || encoder_.size() == 1) ? command : stop_;
+  return sent.as_computed ? command : stop_;
 }
 
 void Loop::encode(const Command& command) noexcept PATELLA_NONBLOCKING {
@@ -210,25 +202,27 @@ void Loop::encode(const Command& command) noexcept PATELLA_NONBLOCKING {
   }
 }
 
-// One leg does not move on one drive: where one command is lost, the other drives get zero torque, those that
-// have this tick's command already included.
-bool Loop::sendAll() noexcept PATELLA_NONBLOCKING {
-  bool gone = true;
+// One leg does not move on one drive: from where a command is lost, or has become too old between two frames,
+// the drives get zero torque, those that have this tick's command already included.
+Loop::Sent Loop::sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING {
+  Sent sent;
   for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
-    if (send(gone ? commands_[drive] : encoder_.encode(stop_, drive))) {
-      continue;
-    }
-    for (std::size_t told = 0; gone && told < drive; ++told) {
+    enter(probe_, Stage::kSend);
+    const bool before = sent.as_computed;
+    sent.as_computed = before && (!torque || fresh(measured_ns));
+    sent.whole = send(sent.as_computed ? commands_[drive] : encoder_.encode(stop_, drive)) && sent.whole;
+    sent.as_computed = sent.as_computed && sent.whole;
+    for (std::size_t told = 0; before && !sent.as_computed && told < drive; ++told) {
       send(encoder_.encode(stop_, told));
     }
-    gone = false;
   }
   for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
     for (const can::Frame& frame : encoder_.drive(drive).frames(entry_.frames(drive))) {
-      gone = send(frame) && gone;
+      const bool told = send(frame);
+      sent.whole = sent.whole && told;
     }
   }
-  return gone;
+  return sent;
 }
 
 bool Loop::send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {

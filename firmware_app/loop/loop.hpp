@@ -60,11 +60,15 @@ class Loop {
   void drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING;
   safety::FaultSet hostFaults(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
   safety::WarningSet hostWarnings() noexcept PATELLA_NONBLOCKING;
+  struct Sent {
+    bool whole = true;        ///< every frame went out
+    bool as_computed = true;  ///< every drive has this tick's command
+  };
   /// Sends it to every drive, or zero torque where it comes too late or some drive cannot be told; returns
-  /// what was sent.
+  /// what the drives are left with: where even zero torque is lost, the enable line is low.
   const Command& sendCommand(const Command& command, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   void encode(const Command& command) noexcept PATELLA_NONBLOCKING;
-  bool sendAll() noexcept PATELLA_NONBLOCKING;
+  Sent sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   bool send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING;
   bool fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   void setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;

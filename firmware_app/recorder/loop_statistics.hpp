@@ -24,7 +24,8 @@ struct LoopStatistics {
   std::uint64_t ticks = 0;
   std::uint64_t overruns = 0;        ///< ticks that ended after the next one was due
   std::uint64_t missed_periods = 0;  ///< whole periods skipped because of them
-  LatencyHistogram wakeup, execution, sensor_to_torque;
+  LatencyHistogram wakeup, execution;
+  LatencyHistogram sensor_to_torque;                   ///< from the end of init on
   std::uint64_t heap_allocations = 0, heap_frees = 0;  ///< by the loop thread after warm-up
   bool heap_counted = false;                           ///< false in sanitizer builds
   std::uint64_t minor_page_faults = 0, major_page_faults = 0;

@@ -134,7 +134,8 @@ void RunAccount::count(const TickReport& report) noexcept PATELLA_NONBLOCKING {
   ++s.ticks;
   s.wakeup.add(report.wakeup_latency_ns);
   s.execution.add(report.execution_ns);
-  if (report.sensor_latency_ns) {
+  // In init frames are taken that waited while the program set itself up, and no torque flows.
+  if (report.sensor_latency_ns && report.output.state != safety::State::kInit) {
     s.sensor_to_torque.add(*report.sensor_latency_ns);
   }
   countSafety(report);

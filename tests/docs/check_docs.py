@@ -15,6 +15,7 @@ It looks at the Markdown files of the top folder, of docs/ and of firmware_app/:
   command   each command in a code block or in inline code that starts with tools/, tests/, patella, cmake or ctest:
             programs, subcommands and options are those of --help, scripts know their arguments, files exist,
             presets, targets and variables are those of CMake
+  manual    each manual in tools/package/man names the options and subcommands of its program's --help, and no others
 
 Without --build programs are not asked for their options. Programs after --not-built need what this machine lacks.
 """
@@ -40,7 +41,7 @@ class Check:
         self.root, self.commands, self.faults = Path(root).resolve(), commands, []
         self.documents = sorted([*self.root.glob("*.md"), *(self.root / "docs").rglob("*.md"),
                                  *(self.root / "firmware_app").rglob("*.md")])
-        self.counted = {"sentences": 0, "links": 0, "pictures": 0, "keys": 0, "commands": 0}
+        self.counted = {"sentences": 0, "links": 0, "pictures": 0, "keys": 0, "commands": 0, "manuals": 0}
         self.shown = set()
 
     def fault(self, kind, path, line, text):
@@ -65,6 +66,7 @@ class Check:
         self.index()
         self.keys()
         self.pictures()
+        self.manuals()
         return self.faults
 
     def sentences(self, document, text):
@@ -118,6 +120,12 @@ class Check:
                 self.counted["pictures"] += 1
                 if picture not in self.shown:
                     self.fault("picture", picture, 0, "no document shows it")
+
+    def manuals(self):
+        for page in sorted((self.root / "tools/package/man").glob("*.1")):
+            self.counted["manuals"] += 1
+            for fault in self.commands.manual_errors(page.stem, page.read_text()):
+                self.fault("manual", page, 0, fault)
 
 
 def main():

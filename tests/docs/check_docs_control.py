@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The check of the documents must find each kind of fault by name, and none in good documents.
 
-    check_docs_control.py BUILD     a build that holds the program patella
+    check_docs_control.py BUILD     a build that holds the programs patella and patella-rig
 """
 
 import shutil
@@ -23,6 +23,7 @@ patella run --config firmware_app/config.toml --duration 10 > out.txt && cmake -
 run="patella run --clock virtual"; $run --seed 1
 ```
 """
+MANUAL = "tools/package/man/patella-rig.1"
 LONG = "This sentence has " + "very " * 22 + "many words."
 # The file, the addition that spoils it in a good tree, and the fault that the check has to name.
 BAD = [
@@ -48,12 +49,14 @@ BAD = [
     ("README.md", "```\ntrue && A=1 patella run --walk\n```", "command: patella run has no option --walk"),
     ("README.md", "`cmake --preset gone`", "command: cmake: there is no preset 'gone'"),
     ("README.md", "`cmake --build --preset release --target gone`", "command: cmake: there is no target 'gone'"),
+    ("README.md", "`cmake --build --preset release --gone`", "command: cmake: unknown option --gone"),
     ("README.md", "`cmake --preset release -DPATELLA_GONE=1`", "command: cmake: nothing reads PATELLA_GONE"),
+    (MANUAL, "\\-\\-gone", "patella-rig.1: manual: names --gone, which patella-rig does not know"),
 ]
 
 
 def good_tree(root):
-    for folder in ("docs", "tools", "firmware_app/configuration"):
+    for folder in ("docs", "tools/package/man", "firmware_app/configuration"):
         (root / folder).mkdir(parents=True)
     (root / "README.md").write_text(GOOD)
     (root / "docs/README.md").write_text("# Index\n\n## Pages\n\n- [A page](page.md)\n\n![A picture](picture.png)\n")
@@ -63,6 +66,7 @@ def good_tree(root):
     (root / "CMakeLists.txt").write_text("option(PATELLA_TOOLS)\nadd_executable(patella main.cpp)\n")
     (root / "CMakePresets.json").write_text(
         '{"configurePresets": [{"name": "release"}], "buildPresets": [{"name": "release"}]}')
+    (root / MANUAL).write_text(Path(__file__, "../../..", MANUAL).resolve().read_text())
     script = root / "tools/script.sh"
     script.write_text("case $1 in --fast) ;; esac\n")
     script.chmod(0o755)
@@ -91,8 +95,12 @@ def main():
             found = faults(root, build)
             if len(found) != 1 or expected not in found[0]:
                 wrong.append(f"{addition[:60]!r}: expected '{expected}', found {found}")
+        page = root / MANUAL
+        page.write_text(page.read_text().replace("\\-\\-seed", "").replace("\\-\\-gone", ""))
+        if (found := faults(root, build)) != [f"{MANUAL}: manual: does not name --seed"]:
+            wrong.append(f"a manual without --seed: {found}")
     print("\n".join(wrong), file=sys.stderr)
-    print(f"{len(BAD) + 1} controls, {len(wrong)} faults")
+    print(f"{len(BAD) + 2} controls, {len(wrong)} faults")
     return 1 if wrong else 0
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 PROGRAM = re.compile(r"^patella(-[a-z]+)*$")
 ASSIGNMENT = re.compile(r"^([A-Za-z_]\w*)=(.*)$", re.S)
+SUBCOMMANDS = re.compile(r"^(?:Subcommands|SUBCOMMANDS):\n((?:.*\n?)*)", re.M)
+OPTION = re.compile(r"(?<![\w-])--[a-z][\w-]*")
 # Paths below these folders are the project's own; others are the reader's.
 OWN_FOLDERS = ("core/", "drivers/", "sim/", "firmware_app/", "tools/", "tests/", "docs/")
 SEPARATORS = {"&&", "||", ";", "|", "&", "(", ")", "|&"}
@@ -151,7 +153,7 @@ class Commands:
         text = self.help_of(place)
         if text is None:
             return [f"{name} --help fails"]
-        subcommands = re.search(r"^(?:Subcommands|SUBCOMMANDS):\n((?:.*\n?)*)", text, re.M)
+        subcommands = SUBCOMMANDS.search(text)
         if subcommands:
             known = re.findall(r"^  ([a-z]\S*)", subcommands.group(1), re.M)
             if arguments and re.match(r"^[a-z][\w-]*$", arguments[0]):
@@ -161,6 +163,23 @@ class Commands:
         return [f"{name} has no option {argument.split('=')[0]}" for argument in arguments
                 if re.match(r"^-{1,2}[A-Za-z]", argument)
                 and not re.search(rf"(?<![\w-]){re.escape(argument.split('=')[0])}(?![\w-])", text)]
+
+    def manual_errors(self, name, page):
+        """Where a manual, in the language of man(7), differs from what the program says of itself."""
+        place = self.build and self.built(name)
+        if not place or self.help_of(place) is None:
+            return [f"{name} --help cannot be asked"] if self.build else []
+        text = self.help_of(place)
+        subcommands = SUBCOMMANDS.search(text)
+        names = re.findall(r"^  ([a-z]\S*)", subcommands.group(1), re.M) if subcommands else []
+        # A subcommand that is a program of its own has a manual of its own.
+        parts = [self.help_of(place, (one,)) for one in names if not self.built(f"{name}-{one}")]
+        helped = set(re.findall(OPTION, "\n".join([options_alone(text), *parts]))) - {"--help"}
+        page = page.replace("\\-", "-")
+        named = set(re.findall(OPTION, page))
+        return [f"does not name the subcommand {one}" for one in names if f"{name} {one}" not in page] \
+            + [f"does not name {option}" for option in sorted(helped - named)] \
+            + [f"names {option}, which {name} does not know" for option in sorted(named - helped)]
 
     def cmake_command(self, tool, arguments):
         found = []
@@ -185,7 +204,7 @@ class Commands:
 
 def options_alone(text):
     """The options of the program itself hold in its subcommands as well, but the names of those are no options."""
-    return re.sub(r"^(?:Subcommands|SUBCOMMANDS):\n(?:.*\n?)*", "", text, flags=re.M)
+    return SUBCOMMANDS.sub("", text)
 
 
 def without_redirection(tokens):

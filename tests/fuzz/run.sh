@@ -14,7 +14,7 @@ seconds=${1:?usage: tests/fuzz/run.sh SECONDS|short|merge [TARGET...]}
 [[ $seconds =~ ^([0-9]+|short|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds, short or merge" >&2; exit 1; }
 shift
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(dbc candump replay safetensors seal configuration bus_map model tick)
+[ ${#targets[@]} -gt 0 ] || targets=(dbc candump replay safetensors seal configuration bus_map model tick viewer)
 
 probe=$(mktemp -d)
 trap 'rm -rf "$probe"' EXIT
@@ -41,7 +41,7 @@ longest() { case $1 in tick) echo 1024 ;; seal) echo 64 ;; *) echo 16384 ;; esac
 # Longest input that is kept in the tree.
 kept() { case $1 in tick) echo 512 ;; seal) echo 64 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
 # Limits of a run of two or three seconds.
-short_runs() { [ "$1" = tick ] && echo 200 || echo 10000; }
+short_runs() { case $1 in tick) echo 200 ;; viewer) echo 500 ;; *) echo 10000 ;; esac; }
 # The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
 words() {
   # shellcheck disable=SC2046

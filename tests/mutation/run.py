@@ -2,7 +2,7 @@
 """Mutation check of the safety code: takes out or inverts one limit, timeout, CRC, counter or latch at a time
 (mutations.txt), rebuilds the tests named for it, and shows that one of them fails.
 
-  tests/mutation/run.py [--only TEXT] [--jobs N]
+  tests/mutation/run.py [--only TEXT]... [--jobs N]
   tests/mutation/run.py --look        # only whether what each one replaces stands there, once
 
 Works in a copy of the tree, build/mutation. Exit status: 0 every mutation was found, 1 one survived, or did not apply.
@@ -62,11 +62,11 @@ def passes(tests):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="mutations whose file or text holds this")
+    parser.add_argument("--only", action="append", help="mutations whose file or text holds this, or another one's")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--look", action="store_true", help="build and run nothing")
     arguments = parser.parse_args()
-    chosen = [m for m in mutations() if arguments.only in m[1] + m[3]]
+    chosen = [m for m in mutations() if any(text in m[1] + m[3] for text in arguments.only or [""])]
     for number, file, _, old, _ in chosen:
         count = (ROOT / file).read_text().count(old)
         if count != 1:

@@ -29,6 +29,7 @@ RunRows::RunRows(const std::filesystem::path& file) : name_(file.string()), line
   if (!lines_.next(line_) || line_.empty()) {
     throw app::FileError(name_ + ": is empty, expected the columns of a run");
   }
+  bytes_read_ = line_.size() + 1;
   forEachCell(line_, [&](std::string_view cell) { columns_.emplace_back(cell); });
 }
 
@@ -37,6 +38,7 @@ bool RunRows::next(std::vector<double>& row) {
   if (!lines_.next(line_) || lines_.unterminated()) {
     return false;
   }
+  bytes_read_ += line_.size() + 1;
   row.clear();
   forEachCell(line_, [&](std::string_view cell) {
     double value = std::numeric_limits<double>::quiet_NaN();

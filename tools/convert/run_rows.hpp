@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,12 +20,15 @@ class RunRows {
   /// A number for each column, NaN for an empty cell; false at the end. Throws std::runtime_error with file,
   /// line and column for what is no number. A last line that was cut off is left out.
   bool next(std::vector<double>& row);
+  /// Of the file, those of the newest line included.
+  std::uint64_t bytesRead() const noexcept { return bytes_read_; }
 
  private:
   std::string name_;
   files::LineReader lines_;
   std::string line_;
   std::vector<std::string> columns_;
+  std::uint64_t bytes_read_ = 0;
 };
 
 }  // namespace patella::convert

@@ -6,6 +6,7 @@
 
 #include "firmware_app/files/file_error.hpp"
 #include "firmware_app/files/wording.hpp"
+#include "tools/convert/progress.hpp"
 #include "tools/convert/run_rows.hpp"
 
 namespace patella::convert {
@@ -43,6 +44,21 @@ int rateOf(std::vector<double> steps_s, const std::filesystem::path& file) {
   return static_cast<int>(whole_Hz);
 }
 
+// A conversion reads the file twice: `before` of it is done when this reading begins, which is half of it.
+class HalfProgress {
+ public:
+  HalfProgress(const std::filesystem::path& file, double before)
+      : size_(static_cast<double>(std::filesystem::file_size(file))), before_(before) {}
+  void at(const RunRows& rows) {
+    progress_.at(before_ + 0.5 * static_cast<double>(rows.bytesRead()) / size_);
+  }
+
+ private:
+  Progress progress_;
+  double size_;
+  double before_;
+};
+
 }  // namespace
 
 RunSignals findSignals(const std::filesystem::path& run, std::span<const std::string> stems) {
@@ -56,7 +72,9 @@ RunSignals findSignals(const std::filesystem::path& run, std::span<const std::st
   std::vector<double> steps_s;
   double last_s = 0.0;
   std::size_t count = 0;
+  HalfProgress progress(found.ticks, 0.0);
   while (rows.next(row)) {
+    progress.at(rows);
     if (count == 0) {
       found.start_s = row[time];
     } else if (!(row[time] > last_s)) {
@@ -102,7 +120,9 @@ std::size_t forEachSample(const RunSignals& signals,
     visit(static_cast<double>(next) / signals.rate_Hz, values);
     ++next;
   };
+  HalfProgress progress(signals.ticks, 0.5);
   while (rows.next(row)) {
+    progress.at(rows);
     const auto at = static_cast<std::size_t>(std::llround((row[time] - signals.start_s) * signals.rate_Hz));
     while (next < at) {
       give();

@@ -1,44 +1,24 @@
 #include "tools/convert/run_to_mcap.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
-#include "drivers/can/candump_log.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/json_file.hpp"
 #include "firmware_app/formats/mcap_reader.hpp"
 #include "firmware_app/formats/mcap_run.hpp"
-#include "tools/convert/run_events.hpp"
-#include "tools/convert/run_rows.hpp"
+#include "tools/convert/progress.hpp"
+#include "tools/convert/run_walk.hpp"
 
 namespace patella::convert {
 namespace {
 
-constexpr double kSecond_ns = 1e9;
 constexpr files::FileKind kAttached{"an attachment", 64'000'000};
-
-/// The frames of a run, the next one in sight.
-class FrameStream {
- public:
-  explicit FrameStream(const std::filesystem::path& file) {
-    if (std::filesystem::exists(file)) {
-      reader_.emplace(file);
-      advance();
-    }
-  }
-  const can::LogEntry* next() const noexcept { return more_ ? &entry_ : nullptr; }
-  void advance() { more_ = reader_->next(entry_); }
-
- private:
-  std::optional<can::CandumpReader> reader_;
-  can::LogEntry entry_;
-  bool more_ = false;
-};
 
 struct Summary {
   std::string text;
+  std::size_t attachments = 0;
   formats::RunInputs inputs;
 };
 
@@ -77,74 +57,57 @@ Summary readSummary(const std::filesystem::path& run, const std::vector<std::fil
   for (const std::filesystem::path& path : attached) {
     attach(path, roles, summary.inputs);
   }
+  summary.attachments = summary.inputs.files.size();
   return summary;
 }
+
+/// Writes what it meets on the way, and counts it.
+class McapVisitor : public RunVisitor {
+ public:
+  McapVisitor(formats::McapWriter::Sink sink, formats::RunInputs inputs)
+      : sink_(std::move(sink)), inputs_(std::move(inputs)) {}
+
+  void begin(const std::vector<std::string>& columns) override {
+    writer_.emplace(sink_, "patella-convert " PATELLA_VERSION, columns, std::move(inputs_));
+  }
+  void frame(const can::Frame& frame, std::string_view interface, const formats::MessageTime& time) override {
+    writer_->frame(frame, interface, time);
+    ++report.frames;
+  }
+  void tick(std::span<const double> row, const formats::MessageTime& time) override {
+    writer_->tick(row, time);
+    ++report.ticks;
+  }
+  void event(std::string_view line, const formats::MessageTime& time) override {
+    writer_->event(line, time);
+    ++report.events;
+  }
+  void finish(const std::string& summary) {
+    writer_->finish({.name = "summary", .values = {{"summary.json", summary}}});
+  }
+
+  McapReport report;
+
+ private:
+  formats::McapWriter::Sink sink_;
+  formats::RunInputs inputs_;
+  std::optional<formats::McapRun> writer_;
+};
 
 }  // namespace
 
 McapReport convertRunToMcap(const std::filesystem::path& run,
                             const std::vector<std::filesystem::path>& attached,
                             const std::filesystem::path& mcap) {
-  if (!std::filesystem::is_directory(run)) {
-    throw app::FileError(run.string() + ": is no folder, expected that of a run");
-  }
   Summary summary = readSummary(run, attached);
-  McapReport report{.attachments = summary.inputs.files.size()};
-  const std::string ticks = (run / "ticks.csv").string();
-  RunRows rows(ticks);
-  const auto time_column =
-      std::find(rows.columns().begin(), rows.columns().end(), "t_s") - rows.columns().begin();
-  FrameStream frames(run / "frames.log");
-  RunEvents events(run / "events.log");
-  const std::int64_t epoch_ns = frames.next() == nullptr ? 0 : frames.next()->frame.wall_ns;
-  const auto at = [&](double time_s) {
-    const auto wall_ns = static_cast<std::uint64_t>(epoch_ns + std::llround(time_s * kSecond_ns));
-    return formats::MessageTime{.wall_ns = wall_ns, .loop_ns = wall_ns};
-  };
-
   app::AtomicFile out(mcap);
-  const auto sink = [&](std::string_view bytes) { out.write(bytes); };
-  try {
-    formats::McapRun writer(sink, "patella-convert " PATELLA_VERSION, rows.columns(),
-                            std::move(summary.inputs));
-    const auto write_frame = [&] {
-      const can::LogEntry& entry = *frames.next();
-      const auto wall_ns = static_cast<std::uint64_t>(entry.frame.wall_ns);
-      writer.frame(entry.frame, entry.interface, {.wall_ns = wall_ns, .loop_ns = wall_ns});
-      frames.advance();
-      ++report.frames;
-    };
-    const auto write_event = [&] {
-      writer.event(events.line(), at(events.time_s()));
-      events.advance();
-      ++report.events;
-    };
-    std::vector<double> row;
-    while (rows.next(row)) {
-      const double time_s = row[static_cast<std::size_t>(time_column)];
-      const formats::MessageTime time = at(time_s);
-      while (frames.next() != nullptr &&
-             static_cast<std::uint64_t>(frames.next()->frame.wall_ns) <= time.wall_ns) {
-        write_frame();
-      }
-      writer.tick(row, time);
-      ++report.ticks;
-      while (events.more() && events.time_s() <= time_s) {
-        write_event();
-      }
-    }
-    while (frames.next() != nullptr) {
-      write_frame();
-    }
-    while (events.more()) {
-      write_event();
-    }
-    writer.finish({.name = "summary", .values = {{"summary.json", summary.text}}});
-  } catch (const std::invalid_argument& error) {
-    throw app::FileError(ticks + ": " + error.what());
-  }
+  McapVisitor visitor([&](std::string_view bytes) { out.write(bytes); }, std::move(summary.inputs));
+  visitor.report.attachments = summary.attachments;
+  Progress progress;
+  walkRun(run, visitor, [&](double fraction) { progress.at(fraction); });
+  visitor.finish(summary.text);
   out.commit();
-  return report;
+  return visitor.report;
 }
 
 RecoveryReport recoverMcap(const std::filesystem::path& broken, const std::filesystem::path& mcap) {
@@ -163,8 +126,11 @@ RecoveryReport recoverMcap(const std::filesystem::path& broken, const std::files
     }
     return found->second;
   };
+  const auto size = static_cast<double>(std::filesystem::file_size(broken));
+  Progress progress;
   formats::McapRecord record;
   while (reader.next(record)) {
+    progress.at(static_cast<double>(reader.readTo()) / size);
     if (const auto* message = std::get_if<formats::McapMessage>(&record)) {
       writer.message(renumbered(channels, message->channel, "channel"), message->log_ns, message->publish_ns,
                      message->data);

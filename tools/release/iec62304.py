@@ -16,6 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What each part is used for, by Debian's source package without its version.
 PURPOSES = {
     "binutils": "linker and assembler",
+    "boost": "sockets and WebSocket of the viewer's server, which only reads",
     "cli11": "command lines of the programs",
     "cmake": "build and packaging",
     "dpkg": "makes the Debian package",
@@ -45,7 +46,7 @@ def soup_rows(sbom):
         if kind is None:
             continue
         source, version = re.search(r" of source (\S+) (\S+)$", package["sourceInfo"]).groups()
-        name = re.sub(r"-\d+$", "", source)
+        name = re.sub(r"(-\d+|\d+\.\d+)$", "", source)
         if name not in PURPOSES:
             sys.exit(f"iec62304.py: nothing says what '{source}' is used for, expected a line in PURPOSES of {pathlib.Path(__file__).name}")
         part = parts.setdefault(name, {"kinds": set(), "licences": set(), "versions": set()})

@@ -100,7 +100,8 @@ void writeCommon(std::ostream& script, const Figure& figure) {
          << "set xlabel " << quoted(figure.x_label) << " noenhanced offset 0,0.4\n"
          << "set ylabel " << quoted(figure.y_label) << " noenhanced offset 0.5,0\n"
          << "set ytics auto nomirror enhanced\nset xtics auto nomirror\nset format y '%g'\n"
-         << "set border 3 lc rgb '#777777'\nset grid x y lc rgb '#E4E4E4' lt 1 lw 0.6\n"
+         << "set border 3 lc rgb '" << colour::kAxis << "'\nset grid x y lc rgb '" << colour::kGrid
+         << "' lt 1 lw 0.6\n"
          << "set lmargin 9\nset rmargin 4\nset tmargin 3.2\nset bmargin 3\n"
          << "set key at graph 1,graph 1.03 right bottom horizontal samplen 1.6 noenhanced\n";
   if (figure.x_range && figure.x_range->first < figure.x_range->second) {

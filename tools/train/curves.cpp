@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::train {
 
 void drawCurves(std::span<const Epoch> curve, int kept_epoch, const std::string& title,
                 const std::filesystem::path& path) {
-  report::Series training{.label = "training", .colour = "#1f77b4", .x = {}, .y = {}};
-  report::Series validation{.label = "validation", .colour = "#d62728", .x = {}, .y = {}};
+  report::Series training{.label = "training", .colour = report::colour::kBlue, .x = {}, .y = {}};
+  report::Series validation{.label = "validation", .colour = report::colour::kRed, .x = {}, .y = {}};
   for (std::size_t i = 0; i < curve.size(); ++i) {
     const auto epoch = static_cast<double>(i + 1);
     training.x.push_back(epoch);

@@ -6,9 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "firmware_app/files/json_file.hpp"
-#include "firmware_app/formats/little_endian.hpp"
-
 namespace patella::view {
 namespace {
 
@@ -17,7 +14,6 @@ namespace websocket = boost::beast::websocket;
 
 constexpr std::array<std::string_view, 2> kSubprotocols = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 constexpr std::size_t kLongestRequest = 1U << 14;
-constexpr std::size_t kMostSubscriptions = 64;
 constexpr std::size_t kQueueBytes = 4U << 20;
 constexpr std::size_t kMostComplaints = 16;  // that wait: who sends garbage is not answered without end
 constexpr auto kSilence = std::chrono::seconds(20);
@@ -27,6 +23,7 @@ constexpr auto kSilence = std::chrono::seconds(20);
 Catalogue catalogueOf(const std::string& name, const std::vector<formats::ChannelDescription>& channels) {
   using Json = nlohmann::json;
   Json list = Json::array();
+  Json metadata = Json::object();
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const formats::ChannelDescription& channel = channels[i];
     list.push_back({{"id", i},
@@ -35,12 +32,15 @@ Catalogue catalogueOf(const std::string& name, const std::vector<formats::Channe
                     {"schemaName", channel.type},
                     {"schema", channel.definition},
                     {"schemaEncoding", "ros2msg"}});
+    if (!channel.columns.empty()) {
+      metadata["columns"] = channel.columns;
+    }
   }
   const Json info{{"op", "serverInfo"},
                   {"name", name},
                   {"capabilities", Json::array()},
                   {"supportedEncodings", Json::array()},
-                  {"metadata", Json::object()}};
+                  {"metadata", metadata}};
   return {info.dump(), Json{{"op", "advertise"}, {"channels", list}}.dump(), channels.size()};
 }
 
@@ -57,7 +57,7 @@ std::string subprotocolOf(const Request& request) {
 }
 
 Client::Client(beast::tcp_stream&& stream, const Catalogue& catalogue)
-    : socket_(std::move(stream)), catalogue_(catalogue) {}
+    : socket_(std::move(stream)), catalogue_(catalogue), subscriptions_(catalogue.channels) {}
 
 void Client::start(const Request& request, const std::string& subprotocol) {
   beast::get_lowest_layer(socket_).expires_never();
@@ -90,7 +90,9 @@ void Client::read() {
     const std::string text = beast::buffers_to_string(self->incoming_.data());
     self->incoming_.consume(self->incoming_.size());
     if (self->socket_.got_text()) {
-      self->obey(text);
+      if (const std::string complaint = self->subscriptions_.obey(text); !complaint.empty()) {
+        self->complain(complaint);
+      }
     } else {
       self->complain("binary messages are for commands, and nobody commands through this server");
     }
@@ -98,40 +100,23 @@ void Client::read() {
   });
 }
 
-void Client::obey(std::string_view text) {
-  try {
-    const nlohmann::json request = app::parseJson(text, "request");
-    const auto operation = request.at("op").get<std::string>();
-    if (operation == "subscribe") {
-      for (const auto& subscription : request.at("subscriptions")) {
-        const auto id = subscription.at("id").get<std::uint32_t>();
-        const auto channel = subscription.at("channelId").get<std::uint64_t>();
-        if (channel >= catalogue_.channels || subscriptions_.size() >= kMostSubscriptions) {
-          complain("no such channel, or too many subscriptions");
-        } else {
-          subscriptions_[id] = static_cast<std::uint16_t>(channel);
-        }
-      }
-    } else if (operation == "unsubscribe") {
-      for (const auto& id : request.at("subscriptionIds")) {
-        subscriptions_.erase(id.get<std::uint32_t>());
-      }
-    } else {
-      complain("operation '" + operation.substr(0, 40) + "' is not served: this server has no capabilities");
-    }
-  } catch (const std::exception& error) {
-    complain(std::string("not understood: ") + error.what());
-  }
-}
-
 void Client::complain(const std::string& words) {
-  constexpr int kWarning = 1;
   const auto texts =
       std::count_if(outgoing_.begin(), outgoing_.end(), [](const Outgoing& o) { return o.text; });
   if (static_cast<std::size_t>(texts) < kMostComplaints) {
-    // A request may hold bytes that are no text.
-    tell(nlohmann::json{{"op", "status"}, {"level", kWarning}, {"message", words}}.dump(
-        -1, ' ', true, nlohmann::json::error_handler_t::replace));
+    tellStatus(Level::kWarning, words);
+  }
+}
+
+void Client::tellStatus(Level level, const std::string& words) {
+  // A request may hold bytes that are no text.
+  tell(nlohmann::json{{"op", "status"}, {"level", level}, {"message", words}}.dump(
+      -1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
+void Client::end() {
+  if (open_) {
+    tellStatus(Level::kInfo, "the run has ended");
   }
 }
 
@@ -143,15 +128,9 @@ void Client::send(std::uint16_t channel, std::uint64_t time_ns, std::string_view
   if (!open_) {
     return;
   }
-  constexpr std::uint8_t kMessageData = 1;
-  for (const auto& [id, subscribed] : subscriptions_) {
+  for (const auto& [id, subscribed] : subscriptions_.all()) {
     if (subscribed == channel) {
-      std::string bytes;
-      formats::appendNumber(bytes, kMessageData);
-      formats::appendNumber(bytes, id);
-      formats::appendNumber(bytes, time_ns);
-      bytes.append(message);
-      queue({std::move(bytes), false});
+      queue({messageData(id, time_ns, message), false});
     }
   }
 }

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "firmware_app/formats/run_messages.hpp"
+#include "tools/view/subscriptions.hpp"
 
 namespace patella::view {
 
@@ -42,19 +42,22 @@ class Client : public std::enable_shared_from_this<Client> {
   /// Sends a message to a client that has subscribed to its channel. A client that is slow loses its oldest
   /// messages.
   void send(std::uint16_t channel, std::uint64_t time_ns, std::string_view message);
+  /// Tells the client that nothing more will come.
+  void end();
   bool open() const noexcept { return open_; }
   std::uint64_t dropped() const noexcept { return dropped_; }
 
  private:
+  enum class Level { kInfo = 0, kWarning = 1 };  // of a status, as in the protocol
   struct Outgoing {
     std::string bytes;
     bool text = false;
   };
 
   void read();
-  void obey(std::string_view text);
   void complain(const std::string& words);
   void tell(std::string text);
+  void tellStatus(Level level, const std::string& words);
   void queue(Outgoing&& outgoing);
   void write();
   void fail() noexcept;
@@ -62,8 +65,8 @@ class Client : public std::enable_shared_from_this<Client> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   const Catalogue& catalogue_;
   boost::beast::flat_buffer incoming_;
-  std::map<std::uint32_t, std::uint16_t> subscriptions_;  ///< id -> channel
-  std::deque<Outgoing> outgoing_;                         ///< the first is being written
+  Subscriptions subscriptions_;
+  std::deque<Outgoing> outgoing_;  ///< the first is being written
   std::size_t queued_bytes_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t dropped_told_ = 0;

@@ -4,12 +4,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include "tools/convert/progress.hpp"
+#include "tools/view/log_replay.hpp"
 #include "tools/view/server.hpp"
 
 namespace {
@@ -42,6 +46,25 @@ std::string readToken(const std::filesystem::path& file) {
   return token;
 }
 
+// The live run in a folder; nothing where there is none, or it has ended.
+std::unique_ptr<patella::live::RingReader> liveRun(const std::filesystem::path& run) {
+  try {
+    auto ring = std::make_unique<patella::live::RingReader>(patella::live::ringName(run));
+    return ring->ended() ? nullptr : std::move(ring);
+  } catch (const std::runtime_error&) {
+    return nullptr;
+  }
+}
+
+std::unique_ptr<patella::view::Recording> recordedRun(const std::filesystem::path& run) {
+  if (!std::filesystem::exists(run / "ticks.csv")) {
+    throw std::runtime_error(run.string() +
+                             ": no run is being recorded there, and it holds none (no ticks.csv)");
+  }
+  patella::convert::Progress progress;
+  return std::make_unique<patella::view::Recording>(run, [&](double fraction) { progress.at(fraction); });
+}
+
 void serve(const std::filesystem::path& run, patella::view::ServerOptions options) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(options.address, error);
@@ -51,33 +74,39 @@ void serve(const std::filesystem::path& run, patella::view::ServerOptions option
         " can be reached from other machines, and what is shown is about a patient; expected "
         "--token-file with it, or 127.0.0.1");
   }
-  options.name = "Patella, " + run.filename().string();
-  patella::live::RingReader ring(patella::live::ringName(run));
+  const auto ring = liveRun(run);
+  const auto recording = ring == nullptr ? recordedRun(run) : nullptr;
   boost::asio::io_context context;
-  patella::view::Server server(context, options, ring);
+  patella::view::Server server(context, options, {.ring = ring.get(), .recording = recording.get()});
   boost::asio::signal_set signals(context, SIGINT, SIGTERM);
   signals.async_wait([&](const boost::system::error_code& /*error*/, int /*signal*/) { context.stop(); });
   server.start();
   const bool version_6 = options.address.find(':') != std::string::npos;
-  std::cout << "serving " << run.string() << " at "
+  std::cout << "serving " << options.name << (ring == nullptr ? ", which has ended," : "") << " at http://"
             << (version_6 ? "[" + options.address + "]" : options.address) << ":" << server.port()
             << std::endl;
   context.run();
-  if (ring.overruns() > 0) {
-    std::cerr << "patella-view: " << ring.overruns() << " times this process was too slow for the run\n";
+  if (ring != nullptr && ring->overruns() > 0) {
+    std::cerr << "patella-view: " << ring->overruns() << " times this process was too slow for the run\n";
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
-  CLI::App app("Serves a live run to Foxglove, Lichtblick and PlotJuggler. It only reads.", "patella view");
+  CLI::App app(
+      "Serves a run to browsers, and while it lasts to Foxglove, Lichtblick and PlotJuggler. It only reads.",
+      "patella view");
   app.set_version_flag("--version", std::string("patella-view ") + PATELLA_VERSION);
   std::filesystem::path run;
   std::string listen = "127.0.0.1:8765";
   std::filesystem::path token_file;
   patella::view::ServerOptions options;
-  app.add_option("RUN", run, "folder that the run is being recorded into")->required();
+  std::filesystem::path config;
+  app.add_option("RUN", run, "folder that a run is being recorded into, or was; or a log of candump -l")
+      ->required();
+  app.add_option("--config", config, "with a log: configuration of the loop that it is played to")
+      ->check(CLI::ExistingFile);
   app.add_option("--listen", listen, "address and port; another than this machine's own needs a token")
       ->capture_default_str();
   app.add_option("--token-file", token_file, "file with the token that clients have to give as ?token=...")
@@ -94,7 +123,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     if (!token_file.empty()) {
       options.access.token = readToken(token_file);
     }
-    serve(run, options);
+    options.name = "Patella, " + std::filesystem::weakly_canonical(run).filename().string();
+    std::optional<patella::view::LogReplay> replay;
+    if (std::filesystem::is_regular_file(run)) {
+      replay.emplace(run, config);
+    }
+    serve(replay ? replay->folder() : run, options);
   } catch (const std::exception& error) {
     std::cerr << "patella view: " << error.what() << "\n";
     return 1;

@@ -1,4 +1,4 @@
-// One port: a short page for browsers, a WebSocket for viewers. It takes no commands.
+// One port: the page for browsers, a WebSocket for viewers of a live run. It takes no commands.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 #include "firmware_app/live/live_ring.hpp"
 #include "tools/view/access.hpp"
 #include "tools/view/client.hpp"
+#include "tools/view/recording.hpp"
 
 namespace patella::view {
 
@@ -23,13 +24,19 @@ struct ServerOptions {
   std::string name;           ///< that viewers show
 };
 
+/// A live run, or one that has ended: one of the two.
+struct Shown {
+  live::RingReader* ring = nullptr;
+  const Recording* recording = nullptr;
+};
+
 class Server {
  public:
   static constexpr std::size_t kMostClients = 8;
 
   /// Listens. Throws std::runtime_error where it cannot.
-  Server(boost::asio::io_context& context, const ServerOptions& options, live::RingReader& ring);
-  /// Serves until the run has ended, or the context is stopped.
+  Server(boost::asio::io_context& context, const ServerOptions& options, const Shown& shown);
+  /// Serves until the live run has ended, or the context is stopped.
   void start();
   std::uint16_t port() const;
 
@@ -43,8 +50,8 @@ class Server {
 
   boost::asio::io_context& context_;
   Access access_;
+  Shown shown_;
   Catalogue catalogue_;
-  live::RingReader& ring_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer timer_;
   std::vector<std::shared_ptr<Client>> clients_;

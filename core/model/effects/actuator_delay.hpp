@@ -16,6 +16,7 @@ class ActuatorDelay final : public JointEffect<1> {
 
   const EffectDescriptor& descriptor() const noexcept override { return kDescriptor; }
   JointVector torque(const EffectInput& input) const noexcept override;
+  DriveLateness lateness() const noexcept override { return {.delay_s = parameter(0)}; }
   void advance(const EffectInput& input, double dt_s) noexcept override;
   void reset(const EffectInput& input) noexcept override;
 

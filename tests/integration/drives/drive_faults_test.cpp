@@ -1,5 +1,6 @@
 // What two drives of others do wrong, and what the loop makes of it: the named fault, within its time, and
 // both drives without torque and out.
+#include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -37,10 +38,15 @@ void checkStop(Drives drives, sim::FaultKind kind, Fault fault, double budget_s)
   CHECK(run.loop.stops == 1);
   CHECK(run.loop.state_ticks[static_cast<std::size_t>(safety::State::kActive)] >= 700);
   CHECK_FALSE(run.enabled[0]);
-  CHECK_FALSE(run.line_up);
   const DriveRun later = defective(drives, kind, kAt_s, budget_s + 0.5);
   CHECK(later.loop.stops == 1);
   CHECK_FALSE(later.enabled[0]);
+  CHECK_FALSE(later.line_up_in_run);
+}
+
+/// An ODrive's command, 32 bits of torque.
+bool isZeroTorque(const can::Frame& frame) {
+  return std::all_of(frame.data.begin(), frame.data.begin() + 4, [](std::uint8_t byte) { return byte == 0; });
 }
 
 }  // namespace
@@ -112,10 +118,42 @@ TEST_CASE(
     REQUIRE_FALSE(seen.empty());
     const can::Frame& last = seen.back();
     CHECK(last.id == (lost == kFirst ? kSecond : kFirst));
-    for (std::size_t i = 0; i < 4; ++i) {
-      CHECK(last.data[i] == 0);
-    }
+    CHECK(isZeroTorque(last));
     CHECK(seen.size() == (lost == kFirst ? 1U : 2U));
+  }
+}
+
+TEST_CASE("a command that grows old between two drives' frames is withdrawn from the drive that has it") {
+  constexpr std::uint32_t kFirst = 1U << 5U | 0x0EU;
+  constexpr std::uint32_t kSecond = 2U << 5U | 0x0EU;
+  constexpr int kAt = 1200;
+  for (const bool too_long : {false, true}) {
+    CAPTURE(too_long);
+    const ScratchFolder folder;
+    const app::RunConfig config = driveConfiguration(Drives::kOdrive, 1.3, folder);
+    const std::int64_t span_ns =
+        too_long ? 2 * std::llround(config.bus.map.encoder_timeout_s * 1e9) : 1'000'000;
+    const DriveRun run = runDrives(config, [span_ns](WatchedBus& bus) {
+      bus.watched_tick = kAt;
+      bus.keep_back = [&bus, span_ns](const can::Frame& frame) {
+        if (bus.tick == kAt && bus.seen.empty() && frame.id == kFirst) {
+          bus.stall(span_ns);
+        }
+        return false;
+      };
+    });
+    REQUIRE(run.seen.size() >= 2);
+    CHECK(run.seen[0].id == kFirst);
+    CHECK(run.seen[1].id == kSecond);
+    CHECK(isZeroTorque(run.seen[0]) == false);
+    CHECK(isZeroTorque(run.seen[1]) == too_long);
+    CHECK(run.loop.latched.has(Fault::kCommandLate) == too_long);
+    CHECK(run.line_up_in_run == !too_long);
+    if (too_long) {
+      REQUIRE(run.seen.size() == 3);
+      CHECK(run.seen[2].id == kFirst);
+      CHECK(isZeroTorque(run.seen[2]));
+    }
   }
 }
 

@@ -113,12 +113,12 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
   const auto tick = app::makeTick(config);
   can::MeasurementDecoder decoder = app::makeDecoder(config);
   can::CommandEncoder encoder = app::makeEncoder(config);
-  WatchedBus bus(*rig, clock);
+  gpio::SimulatedPins pins;
+  WatchedBus bus(*rig, clock, pins);
   bus.seen.reserve(64);
   if (prepare) {
     prepare(bus);
   }
-  gpio::SimulatedPins pins;
   app::RunAccount account({.warmup_ticks = config.warmup_ticks});
   app::Loop loop({.options = config.loop,
                   .clock = clock,
@@ -143,6 +143,7 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
     run.commands.push_back(rig->fieldDrives()[joint].commands());
     run.enabled.push_back(rig->fieldDrives()[joint].enabled());
   }
+  run.line_up_in_run = bus.line_up;
   run.line_up = pins.driveEnable();
   return run;
 }

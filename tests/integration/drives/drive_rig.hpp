@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/gpio/pins.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/recorder/run_account.hpp"
@@ -24,10 +25,12 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
 /// Sends through to the rig, but for frames that the test keeps back; notes down what the loop sent.
 class WatchedBus final : public can::Bus {
  public:
-  WatchedBus(sim::Rig& rig, const Clock& clock) : bus_(rig, clock) {}
+  WatchedBus(sim::Rig& rig, Clock& clock, const gpio::SimulatedPins& pins)
+      : bus_(rig, clock), clock_(clock), pins_(pins) {}
   std::size_t receive(std::span<can::Frame> frames,
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
     ++tick;
+    line_up = pins_.driveEnable();
     return bus_.receive(frames, now_ns);
   }
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
@@ -39,12 +42,15 @@ class WatchedBus final : public can::Bus {
   }
   bool down() const noexcept override { return bus_.down(); }
   can::BusStatistics statistics() const noexcept override { return bus_.statistics(); }
+  /// The loop is kept from running for so long, wherever it is.
+  void stall(std::int64_t span_ns) noexcept { clock_.sleepUntil(clock_.now() + span_ns); }
 
   std::function<bool(const can::Frame&)> keep_back;
   /// Frames that went out in the tick `watched_tick`.
   std::vector<can::Frame> seen;
   int watched_tick = -1;
   int tick = -1;
+  bool line_up = false;  ///< as the tick before has left it
 
  private:
   void note(const can::Frame& frame) noexcept {
@@ -53,6 +59,8 @@ class WatchedBus final : public can::Bus {
     }
   }
   sim::SimulatedBus bus_;
+  Clock& clock_;
+  const gpio::SimulatedPins& pins_;
 };
 
 /// What a run left behind.
@@ -64,7 +72,8 @@ struct DriveRun {
   std::vector<std::uint64_t> commands;
   std::vector<bool> enabled;
   std::vector<can::Frame> seen;  ///< as WatchedBus has it
-  bool line_up = false;
+  bool line_up_in_run = false;   ///< as the last tick but one has left it
+  bool line_up = false;          ///< after the run
   double tracking_rad(std::size_t joint) const;
 };
 

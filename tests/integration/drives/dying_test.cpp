@@ -1,9 +1,11 @@
 // A process that dies leaves no drive with torque: each gets its zero frame and is told to leave.
 #include <array>
 #include <csignal>
+#include <new>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,32 +20,40 @@ using namespace patella::test;
 
 namespace {
 
-/// Frames that a process leaves behind are read from a pipe.
-class PipeBus final : public can::Bus {
+/// Frames that a process leaves behind, in memory that outlives it.
+struct LeftFrames {
+  std::size_t count = 0;
+  std::array<can::Frame, 256> frames;
+};
+
+class LeavingBus final : public can::Bus {
  public:
-  explicit PipeBus(int pipe) noexcept : pipe_(pipe) {}
+  explicit LeavingBus(LeftFrames& left) noexcept : left_(left) {}
   std::size_t receive(std::span<can::Frame>, std::int64_t) noexcept PATELLA_NONBLOCKING override { return 0; }
   can::SendResult send(can::Frame& frame, std::int64_t) noexcept PATELLA_NONBLOCKING override {
-    return write(pipe_, &frame, sizeof(frame)) == static_cast<ssize_t>(sizeof(frame))
-               ? can::SendResult::kSent
-               : can::SendResult::kDown;
+    if (left_.count == left_.frames.size()) {
+      return can::SendResult::kQueueFull;
+    }
+    left_.frames[left_.count++] = frame;
+    return can::SendResult::kSent;
   }
   bool down() const noexcept override { return false; }
   can::BusStatistics statistics() const noexcept override { return {}; }
 
  private:
-  int pipe_;
+  LeftFrames& left_;
 };
 
 std::vector<can::Frame> lastFrames(Drives drives, int signal) {
   const ScratchFolder folder;
   const app::RunConfig config = driveConfiguration(drives, 1.0, folder);
-  std::array<int, 2> ends{};
-  REQUIRE(pipe(ends.data()) == 0);
+  void* memory = mmap(nullptr, sizeof(LeftFrames), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  REQUIRE(memory != MAP_FAILED);
+  auto* left = new (memory) LeftFrames;
   const pid_t child = fork();
   if (child == 0) {
     useFreshSignals(app::kSignalCount);
-    PipeBus bus(ends[1]);
+    LeavingBus bus(*left);
     can::CommandEncoder encoder = app::makeEncoder(config);
     gpio::SimulatedPins pins;
     const MonotonicClock clock;
@@ -51,17 +61,13 @@ std::vector<can::Frame> lastFrames(Drives drives, int signal) {
     raise(signal);
     _exit(0);
   }
-  close(ends[1]);
-  std::vector<can::Frame> frames;
-  can::Frame frame;
-  while (read(ends[0], &frame, sizeof(frame)) == static_cast<ssize_t>(sizeof(frame))) {
-    frames.push_back(frame);
-  }
-  close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
   CHECK(WIFSIGNALED(status));
   CHECK(WTERMSIG(status) == signal);
+  std::vector<can::Frame> frames(left->frames.begin(),
+                                 left->frames.begin() + static_cast<std::ptrdiff_t>(left->count));
+  munmap(memory, sizeof(LeftFrames));
   return frames;
 }
 

@@ -5,7 +5,7 @@
 #   read_with_clients.sh PATELLA PATELLA_CONVERT SOURCE_FOLDER NPM_FOLDER
 set -euo pipefail
 patella=$1 convert=$2 source=$3 npm=$4
-"$source/tests/support/npm/install.sh" "$npm"
+"$source/tools/npm_packages.sh" "$source/tests/support/npm" "$npm" "nothing was held against programs of other authors"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 

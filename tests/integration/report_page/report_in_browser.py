@@ -6,118 +6,17 @@
 PROGRAM is run with the name of the page that it is to write. Pictures of what was seen are left in PICTURE-FOLDER.
 Exit status 77 where there is no Chromium.
 """
-import base64
-import json
 import os
-import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "support"))
+from browser import Browser, Check, chromium_or_skip
+
 TIMEOUT_S = 60
 WIDTHS = (1280, 800)
-HEIGHT = 900
-
-
-class Browser:
-    """Chromium's DevTools protocol over a pair of pipes: JSON messages that end with a zero byte."""
-
-    def __init__(self, program, profile):
-        to_browser, self.writer = os.pipe()
-        self.reader, from_browser = os.pipe()
-        # The protocol's own file descriptors are 3 and 4; pipes that stand there already must survive being put in place.
-        sources = [os.dup(to_browser), os.dup(from_browser)]
-        while min(sources) < 5:
-            sources = [os.dup(source) for source in sources]
-
-        def place():
-            os.dup2(sources[0], 3)
-            os.dup2(sources[1], 4)
-
-        self.process = subprocess.Popen(
-            ["timeout", str(TIMEOUT_S), program, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-             "--no-first-run", "--remote-debugging-pipe", f"--user-data-dir={profile}", "about:blank"],
-            preexec_fn=place, close_fds=False, start_new_session=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        for source in (to_browser, from_browser, *sources):
-            os.close(source)
-        self.buffer = b""
-        self.events = []
-        self.number = 0
-        self.session = None
-
-    def message(self):
-        while b"\0" not in self.buffer:
-            more = os.read(self.reader, 1 << 20)
-            if not more:
-                raise RuntimeError("Chromium has ended")
-            self.buffer += more
-        text, self.buffer = self.buffer.split(b"\0", 1)
-        return json.loads(text)
-
-    def call(self, method, **parameters):
-        self.number += 1
-        request = {"id": self.number, "method": method, "params": parameters}
-        if self.session:
-            request["sessionId"] = self.session
-        os.write(self.writer, json.dumps(request).encode() + b"\0")
-        while True:
-            answer = self.message()
-            if answer.get("id") == self.number:
-                if "error" in answer:
-                    raise RuntimeError(f"{method}: {answer['error']}")
-                return answer["result"]
-            self.events.append(answer)
-
-    def open(self, address, scripts=True):
-        self.call("Emulation.setScriptExecutionDisabled", value=not scripts)
-        self.events.clear()
-        self.call("Page.navigate", url=address)
-        while not any(event.get("method") == "Page.loadEventFired" for event in self.events):
-            self.events.append(self.message())
-
-    def attach(self):
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
-        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Network", "Log"):
-            self.call(f"{domain}.enable")
-
-    def evaluate(self, expression):
-        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
-        if "exceptionDetails" in answer:
-            raise RuntimeError(f"{expression}: {answer['exceptionDetails']}")
-        return answer["result"].get("value")
-
-    def width(self, pixels):
-        self.call("Emulation.setDeviceMetricsOverride", width=pixels, height=HEIGHT, deviceScaleFactor=1, mobile=False)
-        self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-    def mouse(self, kind, x, y, **more):
-        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
-
-    def picture(self, path, whole=True):
-        data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"]
-        with open(path, "wb") as file:
-            file.write(base64.b64decode(data))
-
-    def close(self):
-        os.close(self.writer)
-        try:
-            self.process.wait(5)
-        except subprocess.TimeoutExpired:
-            os.killpg(self.process.pid, signal.SIGKILL)
-            self.process.wait()
-
-
-class Check:
-    def __init__(self):
-        self.failures = 0
-
-    def __call__(self, holds, words):
-        print(("ok    " if holds else "FAILS ") + words)
-        self.failures += not holds
 
 
 # Words of cells that stand on more than one line. A sum of 64 characters may give way to what stands beside it.
@@ -210,7 +109,7 @@ def run(program, page, pictures):
     check = Check()
     address = "file://" + os.path.abspath(page)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        browser = Browser(program, profile)
+        browser = Browser(program, profile, TIMEOUT_S)
         try:
             browser.attach()
             browser.open(address)
@@ -222,20 +121,16 @@ def run(program, page, pictures):
             look_without_scripts(browser, check, address)
         finally:
             browser.close()
-    requests = [event["params"]["request"]["url"] for event in events if event.get("method") == "Network.requestWillBeSent"]
+    requests = Browser.requests(events)
     foreign = [request for request in requests if request != address]
     check(address in requests and not foreign, f"the page asks for nothing but itself {foreign or ''}")
-    errors = [event["params"] for event in events if event.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded")
-              or event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")]
+    errors = Browser.errors(events)
     check(not errors, f"no error is on the console {errors or ''}")
     return check.failures
 
 
 def main():
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        print("=" * 66 + "\nSKIPPED, the report was NOT looked at: no chromium (package chromium)\n" + "=" * 66, file=sys.stderr)
-        return 77
+    chromium = chromium_or_skip("the report")
     pictures = sys.argv[2] if len(sys.argv) > 2 else None
     if sys.argv[1].endswith(".html"):
         return 1 if run(chromium, sys.argv[1], pictures) else 0

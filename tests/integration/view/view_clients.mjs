@@ -87,10 +87,10 @@ check((await attempt(url, ["other"])).status === 400, "so does one with another"
 check((await attempt(url, kinds, { Origin: "https://elsewhere.example" })).status === 403, "a page of another site is refused");
 check((await attempt(url, kinds, { Host: `elsewhere.example:${port}` })).status === 403, "so is a name that was made to lead here");
 const page = await new Promise((done) => http.get(`http://127.0.0.1:${port}/`, (response) => done(response)));
-check(page.statusCode === 200 && page.headers["content-security-policy"] === "default-src 'none'", "a browser gets a page");
-
-const viewers = kinds.map((kind) => new Viewer(port, kind));
-check(isDeepStrictEqual(await Promise.all(viewers.map(({ opened }) => opened)), kinds), "both subprotocols are served");
+const policy = page.headers["content-security-policy"];
+check(page.statusCode === 200 && /^default-src 'none'; script-src 'nonce-\w{32}'; style-src 'nonce-\w{32}'; connect-src 'self';/.test(policy) && !policy.includes("unsafe"), "a browser gets a page that may load nothing but its own");
+const post = await new Promise((done) => http.request(`http://127.0.0.1:${port}/`, { method: "POST" }, done).end());
+check(post.statusCode === 405, "nothing but to look is served");
 
 const lazy = (await attempt(url, kinds)).socket; // subscribes to all and reads nothing
 lazy._socket.pause();
@@ -100,7 +100,7 @@ const complaints = [];
 rude.on("message", (data) => complaints.push(JSON.parse(data)));
 for (const garbage of ["", "{", "[]", '{"op":1}', '{"op":"subscribe"}', '{"op":"subscribe","subscriptions":[{"id":-1,"channelId":"x"}]}', '{"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]}', "[".repeat(9000), '{"op":"advertise","channels":[]}']) rude.send(garbage);
 rude.send(Buffer.from([1, 2, 3]));
-await wait(300);
+for (let i = 0; i < 250 && complaints.length < 12; ++i) await wait(20); // with what every client is told first
 const statuses = complaints.filter(({ op }) => op === "status");
 check(statuses.length === 10 && rude.readyState === WebSocket.OPEN, `garbage is answered in words: ${statuses[0]?.message}`);
 check(statuses.some(({ message }) => message.includes("no capabilities")), "an operation that commands is not served");
@@ -108,9 +108,14 @@ const longest = new Promise((done) => rude.on("close", done));
 rude.send("x".repeat(20000));
 check((await longest) === 1009, "a message that is too long ends its connection");
 const more = [];
-for (let i = 0; i < 5; ++i) more.push((await attempt(url, kinds)).socket);
+for (let i = 0; i < 7; ++i) more.push((await attempt(url, kinds)).socket);
 check((await attempt(url, kinds)).status === 503, "a ninth client is refused");
+const gone = Promise.all(more.map((socket) => new Promise((done) => socket.on("close", done))));
 more.forEach((socket) => socket.close());
+await gone;
+
+const viewers = kinds.map((kind) => new Viewer(port, kind));
+check(isDeepStrictEqual(await Promise.all(viewers.map(({ opened }) => opened)), kinds), "both subprotocols are served");
 
 await ended(loop);
 await ended(server);
@@ -159,10 +164,21 @@ const runIn = async (name, watch) => {
     const watched = await serve(out, ["--listen", "0.0.0.0:0", "--token-file", path.join(folder, "token")]);
     const address = `ws://127.0.0.1:${watched.port}`;
     const right = await attempt(`${address}/?token=${token}`, kinds);
+    const six = await Promise.all(Array.from({ length: 6 }, () => attempt(`${address}/?token=${token}`, kinds)));
+    const rude = await attempt(`${address}/?token=${token}`, kinds);
     check((await attempt(`${address}/?token=wrong`, kinds)).status === 403, "a wrong token is refused");
     check((await attempt(address, kinds)).status === 403, "so is none");
     check(right.status === "open", "the right one is not");
-    right.socket?.send(JSON.stringify({ op: "subscribe", subscriptions: [0, 4].map((id) => ({ id, channelId: id })) }));
+    const all = JSON.stringify({ op: "subscribe", subscriptions: [0, 1, 2, 3, 4, 5].map((id) => ({ id, channelId: id })) });
+    let received = 0;
+    for (const { socket } of six) socket.on("message", () => ++received);
+    for (const { socket } of [right, ...six]) socket.send(all);
+    right.socket._socket.pause();
+    for (let i = 0; i < 100 && received < 30000; ++i) {
+      rude.socket.send("garbage");
+      await wait(20);
+    }
+    check(received > 1000 && child.exitCode === null, `eight clients are served, one that reads nothing and one that sends garbage: ${received} messages`);
     watched.server.kill("SIGKILL");
   }
   await ended(child);
@@ -170,5 +186,5 @@ const runIn = async (name, watch) => {
 };
 const [a, b] = [await runIn("watched", true), await runIn("alone", false)];
 for (const name of ["ticks.csv", "frames.log", "events.log", "summary.json"])
-  check(fs.readFileSync(path.join(a, name)).equals(fs.readFileSync(path.join(b, name))), `${name} has the same bytes with and without a viewer`);
+  check(fs.readFileSync(path.join(a, name)).equals(fs.readFileSync(path.join(b, name))), `${name} has the same bytes with eight clients, whose server is then killed, and with none`);
 process.exit(failures === 0 ? 0 : 1);

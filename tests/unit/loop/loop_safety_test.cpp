@@ -1,5 +1,6 @@
 // Statements about torque that the whole loop has to keep, from the line or the frame to the drive.
 #include <cmath>
+#include <limits>
 
 #include <doctest/doctest.h>
 
@@ -189,6 +190,36 @@ TEST_CASE("wherever a stall strikes in a tick: what it made old is not sent, and
     // Frames are recorded before the command, too.
     CHECK(statistics.latched.has(Fault::kCommandLate) ==
           (beforeTheCommand(stage) || stage == Stage::kRecord));
+  }
+}
+
+TEST_CASE("a command that was not sent is recorded as what the drives are left with: zero torque") {
+  for (const bool cut : {true, false}) {
+    CAPTURE(cut);
+    SimulatedRun run;
+    int tick = 0;
+    bool stalled = false;
+    bool computed_torque = false;
+    double recorded_Nm = std::numeric_limits<double>::infinity();
+    run.script = [&](int number) {
+      tick = number;
+      run.bus.cut = cut && number == 500;
+    };
+    run.probe.at_stage = [&](tick::Stage entered) {
+      if (!cut && tick == 500 && entered == tick::Stage::kSend && !stalled) {
+        stalled = true;
+        run.clock.pass(kStall_ns);
+      }
+    };
+    run.at_report = [&](const TickReport& report) {
+      if (tick == 500) {
+        computed_torque = !report.output.command.torque_Nm.isZero(0.0);
+        recorded_Nm = report.sent.torque_Nm.cwiseAbs().maxCoeff();
+      }
+    };
+    run.run(600);
+    CHECK(computed_torque);
+    CHECK(recorded_Nm == 0.0);
   }
 }
 

@@ -60,16 +60,20 @@ TEST_CASE("a limit counts whichever joint it held back, and torque in both direc
   }
 }
 
-TEST_CASE("the latency from sensor to torque counts only where both had a stamp") {
+TEST_CASE(
+    "the latency from sensor to torque counts only where both had a stamp, and from the end of init on") {
   RunAccount account;
-  const Told told;
-  TickReport report = told.report();
-  account.tick(report);
-  report.sensor_latency_ns = 5000;
-  account.tick(report);
+  Told told;
+  for (const auto state : {safety::State::kInit, safety::State::kReady}) {
+    told.output.state = state;
+    TickReport report = told.report();
+    account.tick(report);
+    report.sensor_latency_ns = state == safety::State::kInit ? 200'000'000 : 5000;
+    account.tick(report);
+  }
   CHECK(account.statistics().sensor_to_torque.count() == 1);
   CHECK(account.statistics().sensor_to_torque.maximum() == 5000);
-  CHECK(account.statistics().execution.count() == 2);
+  CHECK(account.statistics().execution.count() == 4);
 }
 
 TEST_CASE("late ticks and the periods skipped for them are summed up") {

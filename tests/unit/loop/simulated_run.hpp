@@ -100,6 +100,24 @@ class HandProbe final : public tick::StageProbe {
   std::function<void(tick::Stage)> at_stage = [](tick::Stage) {};
 };
 
+/// Hands everything on, and calls a function with each tick's report.
+class HandSink final : public LoopSink {
+ public:
+  explicit HandSink(LoopSink& sink) : sink_(sink) {}
+  void begin() noexcept override { sink_.begin(); }
+  void end() noexcept override { sink_.end(); }
+  void frame(const can::Frame& frame) noexcept PATELLA_NONBLOCKING override { sink_.frame(frame); }
+  void tick(const TickReport& report) noexcept PATELLA_NONBLOCKING override {
+    at_report(report);
+    sink_.tick(report);
+  }
+  void tickEnded(bool overrun, std::uint32_t missed) noexcept override { sink_.tickEnded(overrun, missed); }
+  std::function<void(const TickReport&)> at_report = [](const TickReport&) {};
+
+ private:
+  LoopSink& sink_;
+};
+
 /// A command frame as the drive reads it (patella.dbc, TorqueCommand).
 struct CommandSeen {
   explicit CommandSeen(const can::Frame& frame)
@@ -131,22 +149,27 @@ class SimulatedRun {
   /// Called in the loop at the start of each tick, with its number from 0.
   std::function<void(int)> script = [](int) {};
 
+  /// Called in the loop with each tick's report.
+  std::function<void(const TickReport&)> at_report = [](const TickReport&) {};
+
   const LoopStatistics& run(std::uint64_t ticks) {
     config_.loop.max_ticks = ticks;
     account_.emplace();
-    loop_ = std::make_unique<Loop>(LoopParts{.options = config_.loop,
-                                             .clock = clock,
-                                             .bus = bus,
-                                             .pins = loop_pins,
-                                             .decoder = decoder_,
-                                             .encoder = encoder_,
-                                             .tick = *tick_,
-                                             .sink = *account_});
-    loop_->probedBy(probe);
+    HandSink sink(*account_);
+    sink.at_report = at_report;
+    const auto loop = std::make_unique<Loop>(LoopParts{.options = config_.loop,
+                                                       .clock = clock,
+                                                       .bus = bus,
+                                                       .pins = loop_pins,
+                                                       .decoder = decoder_,
+                                                       .encoder = encoder_,
+                                                       .tick = *tick_,
+                                                       .sink = sink});
+    loop->probedBy(probe);
     if (watchdog != nullptr) {
-      loop_->watchedBy(*watchdog);
+      loop->watchedBy(*watchdog);
     }
-    loop_->run(stop);
+    loop->run(stop);
     return account_->statistics();
   }
 
@@ -178,7 +201,6 @@ class SimulatedRun {
   can::CommandEncoder encoder_;
   std::unique_ptr<tick::Tick> tick_;
   std::optional<RunAccount> account_;
-  std::unique_ptr<Loop> loop_;
   std::vector<bool> drive_enable_;  ///< before each tick
 
  public:

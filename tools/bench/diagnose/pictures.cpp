@@ -5,12 +5,13 @@
 
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::bench {
 namespace {
 
-constexpr const char* kBlue = "#0072B2";
-constexpr const char* kGrey = "#999999";
+using report::colour::kBlue;
+using report::colour::kGrey;
 
 report::Series curve(const std::string& label, const char* colour, double width) {
   report::Series series;
@@ -43,7 +44,7 @@ report::Figure powerFigure(std::span<const CaseResult> results) {
     }
   }
   // Unseen, it keeps the whole range in the picture.
-  report::Series range = curve("", "#FFFFFF", 0.1);
+  report::Series range = curve("", report::colour::kWhite, 0.1);
   range.x = {0.0, 0.0};
   range.y = {0.0, 100.0};
   report::Series dots = share;

@@ -10,6 +10,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::bench {
 namespace {
@@ -85,8 +86,8 @@ void draw(const std::vector<Comparison>& comparisons, const std::filesystem::pat
     figure.y_label = "fraction of wake-ups later";
     figure.log_x = true;
     figure.log_y = true;
-    figure.series = {laterThan(pooled(one.turns, &Turn::loop), "loop", "#0072B2"),
-                     laterThan(pooled(one.turns, &Turn::cyclictest), "cyclictest", "#D55E00")};
+    figure.series = {laterThan(pooled(one.turns, &Turn::loop), "loop", report::colour::kBlue),
+                     laterThan(pooled(one.turns, &Turn::cyclictest), "cyclictest", report::colour::kRed)};
     figures.push_back(std::move(figure));
   }
   report::drawPng(figures, "Wake-up latency of the loop beside cyclictest's, same run and priority", picture);

@@ -14,6 +14,7 @@
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -25,15 +26,15 @@ using report::tableText;
 const char* colourOf(Verdict verdict) {
   switch (verdict) {
     case Verdict::kEffectFound:
-      return "#0072B2";
+      return report::colour::kBlue;
     case Verdict::kNothingMissing:
-      return "#009E73";
+      return report::colour::kGreen;
     case Verdict::kUnknownEffect:
-      return "#D55E00";
+      return report::colour::kRed;
     case Verdict::kInsufficientExcitation:
-      return "#9A9A9A";
+      return report::colour::kGrey;
   }
-  return "#9A9A9A";
+  return report::colour::kGrey;
 }
 
 std::string joinedWords(const std::vector<std::string>& labels) {

@@ -7,14 +7,15 @@
 
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 using report::Figure;
 
-constexpr const char* kShows = "#009E73";
-constexpr const char* kWeak = "#B9BFC4";
+constexpr const char* kShows = report::colour::kGreen;
+constexpr const char* kWeak = report::colour::kPaleGrey;
 
 // Smallest torque of each effect that would have been revealed, over its joint's torque.
 Figure powerFigure(const Diagnosis& diagnosis, int joint) {

@@ -13,6 +13,7 @@
 #include "tools/diagnose/output/residual_variables.hpp"
 #include "tools/diagnose/output/time_figures.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/report/palette.hpp"
 #include "tools/report/reduction.hpp"
 
 namespace patella::diagnose {
@@ -23,8 +24,8 @@ using report::Series;
 
 constexpr const char* kBefore = colour::kBefore;
 constexpr const char* kAfter = colour::kAfter;
-constexpr const char* kBeforePale = "#F3C3A0";
-constexpr const char* kAfterPale = "#A5CDE8";
+constexpr const char* kBeforePale = report::colour::kPaleRed;
+constexpr const char* kAfterPale = report::colour::kPaleBlue;
 
 constexpr std::size_t kScatterPoints = 800;
 constexpr std::size_t kBins = 25;

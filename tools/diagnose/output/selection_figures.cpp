@@ -7,18 +7,19 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 using report::Figure;
 
-constexpr const char* kAccepted = "#009E73";
-constexpr const char* kRefused = "#E69F00";
-constexpr const char* kWeak = "#B9BFC4";
-constexpr const char* kThreshold = "#B00020";
-constexpr const char* kEstimate = "#222222";
-constexpr const char* kInterval = "#0072B2";
+constexpr const char* kAccepted = report::colour::kGreen;
+constexpr const char* kRefused = report::colour::kOrange;
+constexpr const char* kWeak = report::colour::kPaleGrey;
+constexpr const char* kThreshold = report::colour::kAlarm;
+constexpr const char* kEstimate = report::colour::kBlack;
+constexpr const char* kInterval = report::colour::kBlue;
 
 constexpr std::size_t kShownCandidates = 12;
 /// Gains that differ more than this are drawn on a logarithmic axis.

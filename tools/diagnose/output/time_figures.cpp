@@ -12,6 +12,7 @@
 
 #include "tools/diagnose/output/residual_variables.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/report/palette.hpp"
 #include "tools/report/reduction.hpp"
 
 namespace patella::diagnose {
@@ -20,8 +21,8 @@ namespace {
 using report::Figure;
 using report::Series;
 
-constexpr const char* kMeasured = "#222222";
-constexpr const char* kHeldOutShade = "#EEF1F4";
+constexpr const char* kMeasured = report::colour::kBlack;
+using report::colour::kHeldOutShade;
 constexpr const char* kGiven = "model as given";
 constexpr const char* kFound = "with what was found";
 

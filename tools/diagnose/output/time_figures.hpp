@@ -5,13 +5,14 @@
 
 #include "tools/diagnose/result/diagnosis.hpp"
 #include "tools/report/figure.hpp"
+#include "tools/report/palette.hpp"
 
 namespace patella::diagnose {
 
 /// Colours of the two models that every picture compares.
 namespace colour {
-inline constexpr const char* kBefore = "#D55E00";
-inline constexpr const char* kAfter = "#0072B2";
+inline constexpr const char* kBefore = report::colour::kRed;
+inline constexpr const char* kAfter = report::colour::kBlue;
 }  // namespace colour
 
 /// For each joint the measured torque against that of the model as given and with what was found, and the

@@ -8,6 +8,7 @@ chroot /debian /debootstrap/debootstrap --second-stage || status=$?
 expect "exit status of debootstrap" "$status" -eq 0
 cp /debian/debootstrap/debootstrap.log "$PATELLA_ARTEFACTS/" 2>/dev/null
 mount -t proc proc /debian/proc
+ip link set lo up
 chroot /debian bash /within.sh dpkg || status=$?
 expect "exit status of the package's test" "$status" -eq 0
 finish

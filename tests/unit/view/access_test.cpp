@@ -1,0 +1,35 @@
+#include "tools/view/access.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace patella::view;
+
+TEST_CASE("a token lets in who gives it, and nobody else") {
+  const Access access{.token = "correct-horse-battery", .hosts = {}, .origins = {}};
+  const auto visit = [&](const char* target) {
+    return refusal(access, {.host = "rig:8765", .origin = "", .target = target});
+  };
+  CHECK(visit("/?token=correct-horse-battery").empty());
+  CHECK(visit("/recording?a=b&token=correct-horse-battery").empty());
+  for (const char* target :
+       {"/", "/?token=", "/?token=correct-horse-batterx", "/?token=correct-horse-battery1",
+        "/?tokens=correct-horse-battery", "/token=correct-horse-battery"}) {
+    CAPTURE(target);
+    CHECK(visit(target).find("token") != std::string::npos);
+  }
+}
+
+TEST_CASE("pages of other sites and names that were made to lead here are refused") {
+  const Access access{
+      .token = "", .hosts = hostsOf("127.0.0.1", 8765), .origins = {"https://app.foxglove.dev"}};
+  const auto visit = [&](const char* host, const char* origin) {
+    return refusal(access, {.host = host, .origin = origin, .target = "/"});
+  };
+  CHECK(visit("127.0.0.1:8765", "").empty());
+  CHECK(visit("localhost:8765", "http://localhost:8765").empty());
+  CHECK(visit("127.0.0.1:8765", "https://app.foxglove.dev").empty());
+  CHECK_FALSE(visit("127.0.0.1:8765", "https://elsewhere.example").empty());
+  CHECK_FALSE(visit("127.0.0.1:8765", "null").empty());
+  CHECK_FALSE(visit("elsewhere.example:8765", "").empty());
+  CHECK_FALSE(visit("127.0.0.1:80", "").empty());
+}
