@@ -195,17 +195,13 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
       std::max(-std::log(kFarBetter), kOfEffects * gain(given.error, given.error_with_effects));
   std::vector<ReadAs> all = readings(reader, given, names);
   std::erase_if(all, [&](const ReadAs& one) {
-    // Of a joint that leaves no more than machines do, nothing is wrong.
-    bool mends = false;
     for (std::size_t j = 0; j < given.error.size(); ++j) {
       const double before = given.error[j], after = one.reading.error[j];
-      const bool changes = after < kFarBetter * before;
-      if (changes && after > std::max(kAsMachines, kSmallPart * before)) {
+      if (after < kFarBetter * before && after > std::max(kAsMachines, kSmallPart * before)) {
         return true;
       }
-      mends = mends || (changes && before > kAsMachines);
     }
-    return !mends || gainOf(one, given) < least ||
+    return gainOf(one, given) < least ||
            gain(one.reading.error, given.error_with_effects, kSensors) >
                static_cast<double>(given.error.size()) * std::log(kTimesEffects);
   });
