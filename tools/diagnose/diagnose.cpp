@@ -98,8 +98,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, options.nominal_tolerance, diagnosis);
-  diagnosis.revealed = revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit),
-                                  thresholdOf(diagnosis, fit));
+  diagnosis.revealed =
+      revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit), chanceOf(diagnosis, fit));
 
   options.report("errors", 0.0);
   judgeByErrors({.train = train,

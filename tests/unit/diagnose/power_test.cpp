@@ -11,6 +11,7 @@
 
 #include "tests/unit/diagnose/recordings.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/rehearsal.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
@@ -23,9 +24,9 @@ const model::ModelDescription kModel{
     .effects = {}};
 
 /// The model's own swing, and white noise on its torque.
-Recording noisy(double duration_s, double noise_Nm) {
+Recording noisy(double duration_s, double noise_Nm, std::uint64_t seed = 20260208) {
   Recording recording = swing(duration_s);
-  std::mt19937_64 random(20260208);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0.0, noise_Nm);
   for (std::size_t i = 0; i < recording.rows(); ++i) {
     const double q = recording.position_rad[0][i];
@@ -35,17 +36,32 @@ Recording noisy(double duration_s, double noise_Nm) {
   return recording;
 }
 
+/// A torque that changes faster than the swing.
+Column alternating(const Dataset& data) {
+  return data.column({}, [](const Series& series, std::size_t i) -> JointVector {
+    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
+  });
+}
+
 /// Smallest torque of a column that alternates faster than the swing, which the model cannot take up.
 double smallest_Nm(double duration_s, double noise_Nm) {
   const Dataset data(std::array{noisy(duration_s, noise_Nm)}, DatasetOptions{});
   ModelFitter fitter(data, kModel, {});
   const ModelFit fit = fitter.nominal();
-  const Column column = data.column({}, [](const Series& series, std::size_t i) -> JointVector {
-    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
-  });
+  const Column column = alternating(data);
   const Detector detector(data, fit, kThreshold);
   const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
   return smallestTorque_Nm(detector.of(column, 0), kThreshold, left_Nm, 0.0);
+}
+
+/// Smallest strength of a column that a rehearsal asserts, in steps of a tenth.
+double smallestAsserted(const Rehearsal& rehearsal) {
+  for (double strength = 1e-3; strength < 1e3; strength *= 1.1) {
+    if (rehearsal.asserts(strength)) {
+      return strength;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -63,9 +79,7 @@ TEST_CASE("a torque that the given parameters take up is revealed at no size tha
   const ModelFit fit = fitter.nominal();
   const Detector detector(data, fit, kThreshold);
   const Detectable own = detector.of(fit.tangent.col(0), 0);
-  const Column apart = data.column({}, [](const Series& series, std::size_t i) -> JointVector {
-    return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
-  });
+  const Column apart = alternating(data);
   CHECK(own.own_share < 0.2);
   CHECK(detector.of(apart, 0).own_share > 0.95);
   CHECK(smallestTorque_Nm(own, kThreshold, 0.1, 0.0) >
@@ -84,4 +98,19 @@ TEST_CASE("what nothing explains has to be outweighed") {
 TEST_CASE("a torque of no shape of its own is never revealed") {
   const Detectable nothing{.in_noise = std::numeric_limits<double>::infinity(), .own_share = 0.0};
   CHECK(std::isinf(smallestTorque_Nm(nothing, kThreshold, 0.1, 0.0)));
+}
+
+TEST_CASE("a rehearsal asserts what is beyond chance and outweighs the rest") {
+  const Dataset data(std::array{noisy(20.0, 0.1)}, DatasetOptions{});
+  ModelFitter fitter(data, kModel, {});
+  const ModelFit fit = fitter.nominal();
+  const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
+  const Obstacles sensors_only{.chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}};
+  const Obstacles all_unexplained{.chance = 10.0, .noise_Nm = {0.0}, .structure_Nm = {left_Nm}};
+  const double above_chance = smallestAsserted({data, fit, sensors_only, alternating(data), 0});
+  const double above_rest = smallestAsserted({data, fit, all_unexplained, alternating(data), 0});
+  const double sine_rms = std::sqrt(0.5);
+  CHECK(above_chance * sine_rms < left_Nm);
+  CHECK(above_rest * sine_rms > asserted::kOverRest * left_Nm);
+  CHECK(above_rest * sine_rms < 2.5 * asserted::kOverRest * left_Nm);
 }

@@ -182,6 +182,24 @@ std::optional<diagnose::Diagnosis> decide(const Recording& recording, const mode
   }
 }
 
+/// Diagnoses in a row until nothing more is found; hardly any recording needs as many.
+constexpr int kMostRounds = 3;
+
+// The recording with its own best model, to which a diagnosis adds nothing.
+std::optional<diagnose::Diagnosis> decideWithBest(const Recording& recording,
+                                                  const model::ModelDescription& first) {
+  std::optional<diagnose::Diagnosis> best = decide(recording, first);
+  const auto added = [](const diagnose::Diagnosis& diagnosis, const model::ModelDescription& given) {
+    return diagnosis.extended.effects.size() != given.effects.size();
+  };
+  model::ModelDescription given = first;
+  for (int round = 1; round < kMostRounds && best && added(*best, given); ++round) {
+    given = best->extended;
+    best = decide(recording, given);
+  }
+  return best;
+}
+
 std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
   std::vector<Half> halves;
   for (const MeasuredRecording& source : all) {
@@ -366,12 +384,13 @@ class PlantedCases {
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
     const Recording recording = part(half.source->recording, from, from + length);
     const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
-    const std::optional<diagnose::Diagnosis> best = plain ? decide(recording, plain->extended) : std::nullopt;
+    const std::optional<diagnose::Diagnosis> best =
+        plain ? decideWithBest(recording, plain->extended) : std::nullopt;
     const std::optional<Plant> plant =
         best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
     std::optional<diagnose::Diagnosis> answer;
     if (plant) {
-      answer = diagnosePlanted(recording, plain->extended, *plant);
+      answer = diagnosePlanted(recording, best->extended, *plant);
     }
     const std::string kind = plant ? plant->kind : "nothing";
     const bool is_false =

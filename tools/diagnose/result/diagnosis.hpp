@@ -101,6 +101,7 @@ struct SelectionStep {
   std::vector<CandidateScore> ranking;  ///< best first
   std::string accepted;                 ///< label, or empty where the search ended here
   double p_value = 1.0;
+  double chance = 0.0;  ///< fall of −2 log-likelihood, less the cost of its parameters, that chance brings
 };
 
 struct Excitation {

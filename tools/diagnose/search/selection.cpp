@@ -24,6 +24,13 @@ namespace {
 constexpr const char* kUnsteady = "cross-validation";
 constexpr const char* kUnstable = "stability";
 
+// Margin above which a candidate's p (exceedance) is below `level`. `chance` is sorted.
+double leastMargin(const std::vector<double>& chance, double level) {
+  const auto draws = static_cast<double>(chance.size());
+  const double may_reach = std::max(0.0, std::ceil(level * (1.0 + draws) - 1.0) - 1.0);
+  return chance[chance.size() - 1 - static_cast<std::size_t>(std::min(may_reach, draws - 1.0))];
+}
+
 class Selector {
  public:
   Selector(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal, const SelectionOptions& options)
@@ -77,6 +84,7 @@ class Selector {
     }
     SelectionStep step = describeStep(candidates, threshold, cost_);
     step.p_value = p_value;
+    step.chance = leastMargin(chance, options_.family_wise_p);
     const bool accepted = best != nullptr && best->refused_because.empty();
     if (accepted) {
       step.ranking[static_cast<std::size_t>(best - candidates.data())].accepted = true;

@@ -15,6 +15,7 @@
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/rehearsal.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -26,9 +27,17 @@ constexpr std::size_t kTold = 5;
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 
+/// A rehearsal goes up from the size that known noise would allow in such steps, and halves the last one so
+/// many times.
+constexpr double kStep = 2.0;
+constexpr int kMostSteps = 6;
+constexpr int kHalvings = 3;
+
 struct Size {
   double torque_Nm = kNever;
   double parameter = std::nan("");
+  const Atom* atom = nullptr;
+  Detectable shape{};
 };
 
 // The effect's main parameter where its torque is as large; NaN where the torque does not grow with one
@@ -75,7 +84,32 @@ Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, doub
     return {};
   }
   const double parameter = parameterAt(atom, shape, torque_Nm);
-  return std::isinf(parameter) ? Size{} : Size{.torque_Nm = torque_Nm, .parameter = parameter};
+  return std::isinf(parameter)
+             ? Size{}
+             : Size{.torque_Nm = torque_Nm, .parameter = parameter, .atom = &atom, .shape = shape};
+}
+
+// Not smaller than `least`, which takes noise for known.
+Size rehearsed(const Size& least, const Rehearsal& rehearsal) {
+  const auto asserts = [&](double factor) {
+    return rehearsal.asserts(factor * least.torque_Nm / least.shape.unit_Nm);
+  };
+  double above = 1.0;
+  for (int step = 0; !asserts(above); ++step) {
+    if (step == kMostSteps) {
+      return {};
+    }
+    above *= kStep;
+  }
+  double below = above / kStep;
+  for (int halving = 0; halving < kHalvings && above > 1.0; ++halving) {
+    const double middle = std::sqrt(below * above);
+    (asserts(middle) ? above : below) = middle;
+  }
+  Size size = least;
+  size.torque_Nm *= above;
+  size.parameter = parameterAt(*least.atom, least.shape, size.torque_Nm);
+  return std::isinf(size.parameter) ? Size{} : size;
 }
 
 Size median(std::vector<Size> sizes) {
@@ -107,11 +141,21 @@ double smallestTorque_Nm(const Detectable& shape, double threshold, double noise
   return std::max(above_chance, above_rest / shape.own_share);
 }
 
+Chance chanceOf(const Diagnosis& diagnosis, const ModelFit& fit) {
+  return {.threshold = thresholdOf(diagnosis, fit),
+          .margin = diagnosis.steps.empty() ? shown::kTypicalChance : diagnosis.steps.back().chance};
+}
+
 std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
-                                 double threshold) {
+                                 const Chance& chance) {
   const Dataset& data = fitter.data();
-  const Detector detector(data, fit, threshold);
+  const Detector detector(data, fit, chance.threshold);
+  Obstacles obstacles{.chance = chance.margin, .noise_Nm = {}, .structure_Nm = {}};
+  for (const RestOfJoint& rest : rests) {
+    obstacles.noise_Nm.push_back(rest.noise_Nm);
+    obstacles.structure_Nm.push_back(rest.structure_Nm);
+  }
   std::map<std::string, std::vector<const Atom*>> by_label;
   for (const Atom& atom : atoms.items) {
     if (atom.recipe != nullptr && !known.contains(atom.recipe->label())) {
@@ -130,7 +174,10 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     for (const Atom* point : someAtoms(points)) {
       sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm));
     }
-    const Size size = median(std::move(sizes));
+    Size size = median(std::move(sizes));
+    if (size.atom != nullptr) {
+      size = rehearsed(size, Rehearsal(data, fit, obstacles, atoms.of(*size.atom), joint));
+    }
     const std::string& kind = points.front()->recipe->kind;
     all.push_back({.kind = kind,
                    .joint = joint,

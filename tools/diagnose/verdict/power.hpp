@@ -17,12 +17,19 @@ namespace patella::diagnose {
 /// parameters. `noise_Nm`: rms of what the fit leaves there.
 double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm);
 
+/// What chance brings the last step of a search.
+struct Chance {
+  double threshold = 0.0;  ///< fall of −2 log-likelihood
+  double margin = 0.0;     ///< the same less the cost of the parameters
+};
+Chance chanceOf(const Diagnosis& diagnosis, const ModelFit& fit);
+
 /// One for every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or
 /// are declared, and for those that declared ones give, whose change would tell them: the median over typical
 /// shapes, the ones a torque changes most first.
 std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
-                                 double threshold);
+                                 const Chance& chance);
 
 /// "… no coulomb friction of more than 0.05 N·m on joint 1, …": the plain effects whose smallest torque is
 /// largest against their joint's; empty where nothing is known.
