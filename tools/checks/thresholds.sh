@@ -46,8 +46,8 @@ checks/kMillisecond checks/kPercent checks/kPerTurnDegrees checks/kResolution_s 
 search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kLargestLogarithm search/kLastSteps
 search/kOffTheBound search/kSlowest_rad_s search/kSpanned
 verdict/kBand_Hz verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
-verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kPercent verdict/kRate_Hz
-verdict/kSmall verdict/kSmoothing_Hz verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s
+verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kPercent verdict/kRate_Hz verdict/kRidge
+verdict/kSmall verdict/kSmoothing_Hz verdict/kStep verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s
 "
 used=""
 for room in fit checks search verdict; do

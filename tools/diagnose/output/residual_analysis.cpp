@@ -8,13 +8,14 @@
 
 #include <fftw3.h>
 
+#include "tools/diagnose/search/estimates.hpp"
+
 namespace patella::diagnose {
 namespace {
 
 constexpr std::size_t kShortestWindow = 32;
 constexpr std::size_t kLongestWindow = 512;
 constexpr std::size_t kFewestRowsInBin = 8;
-constexpr double kDeviations95 = 1.96;
 
 /// One real transform of fixed length, with the memory that it works in.
 class Transform {

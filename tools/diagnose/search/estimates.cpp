@@ -13,7 +13,6 @@
 namespace patella::diagnose {
 namespace {
 
-constexpr double kDeviations95 = 1.959964;
 /// Logarithm of a factor from which on nothing is known of what it multiplies.
 constexpr double kLargestLogarithm = 50.0;
 

@@ -11,6 +11,9 @@
 
 namespace patella::diagnose {
 
+/// Standard deviations from the middle of a 95 % interval to its ends.
+inline constexpr double kDeviations95 = 1.959964;
+
 /// Covariance of a fit's parameters: the larger of what the noise makes of them and what leaving out parts of
 /// the recording does.
 Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed);

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/search/search.hpp"
@@ -19,7 +20,6 @@ namespace {
 constexpr int kRounds = 2;
 /// Keeps equations solvable where columns are alike.
 constexpr double kRidge = 1e-10;
-constexpr double kDeviations95 = 1.959964;
 constexpr std::uint64_t kSeed = 20011;
 
 /// Normal equations of a weighted fit, with what is known of its parameters.
