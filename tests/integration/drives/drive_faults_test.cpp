@@ -168,3 +168,18 @@ TEST_CASE("commands that are lost for good are a fault, and the drive that still
   CHECK_FALSE(run.enabled[1]);  // by its own watchdog
   CHECK(run.rig.watchdog_trips == 1);
 }
+
+TEST_CASE("frames to enter by that do not go out are lost commands, before the drive's time is over") {
+  const ScratchFolder folder;
+  app::RunConfig config = driveConfiguration(Drives::kOdrive, kEnableAt_s + 0.1, folder);
+  for (can::CommandMap& command : config.bus.commands) {
+    command.enter_period_s = 1e-3;  // in every tick
+  }
+  const DriveRun run = runDrives(config, [](WatchedBus& bus) {
+    bus.keep_back = [](const can::Frame& frame) {
+      return frame.id == (2U << 5U | 0x07U) && frame.data[0] == 8;
+    };
+  });
+  CHECK(stoppedBy(run, Fault::kSendFailed));
+  CHECK_FALSE(run.loop.latched.has(Fault::kDriveNotEntered));
+}

@@ -211,6 +211,18 @@ TEST_CASE("entering: whoever enters leaves, and tells that it is in, or how long
   CHECK(has(refusal(map, right()), "command 'Left' has 'clear' without 'enter'"));
 }
 
+TEST_CASE("times of entering lie within their bounds") {
+  CommandMap map = right();
+  map.enter_period_s = 0.0;
+  CHECK(has(refusal(left(), map), "command.enter_period_s = 0, expected 0.001 to 0.1"));
+  map = right();
+  map.enter_timeout_s = 20.0;
+  CHECK(has(refusal(left(), map), "command.enter_timeout_s = 20, expected 0.01 to 10"));
+  map = left();
+  map.enter_time_s = 0.001;
+  CHECK(has(refusal(map, right()), "command.enter_time_s = 0.001, expected 0.01 to 10"));
+}
+
 TEST_CASE("frames to enter by: of a message that is there, in its length, and read by nobody") {
   CommandMap map = right();
   map.enter = {{"RightState", {8, 0, 0}}};

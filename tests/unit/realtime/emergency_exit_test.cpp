@@ -40,7 +40,11 @@ class Reporting final : public gpio::Pins, public can::Bus {
     for (int i = 0; i < 5; ++i) {
       zero = zero && frame.data[static_cast<std::size_t>(i)] == 0;
     }
-    put(zero ? '0' : 'T');
+    // A drive takes only a frame whose counter has gone on (patella.dbc, TorqueCommand).
+    const bool counted = !sent_ || frame.data[6] == static_cast<std::uint8_t>(counter_ + 1);
+    sent_ = true;
+    counter_ = frame.data[6];
+    put(!counted ? 'c' : zero ? '0' : 'T');
     return can::SendResult::kSent;
   }
   bool down() const noexcept override { return false; }
@@ -53,6 +57,8 @@ class Reporting final : public gpio::Pins, public can::Bus {
     }
   }
   int pipe_;
+  bool sent_ = false;
+  std::uint8_t counter_ = 0;
 };
 
 can::CommandEncoder commandEncoder(const can::Database& database) {

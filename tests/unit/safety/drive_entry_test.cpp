@@ -140,6 +140,17 @@ TEST_CASE("enable gets through once every drive reports that it is in") {
   }
 }
 
+TEST_CASE("whichever drive is the last to be in, torque waits for it") {
+  Pair pair({drive(0), drive(1)});
+  pair.settle();
+  pair.enable = true;
+  pair.says_enabled = {false, true};
+  pair.ticks(30);
+  CHECK_FALSE(pair.let_through);
+  CHECK(pair.entry.phase(0) == DrivePhase::kEntering);
+  CHECK(pair.entry.phase(1) == DrivePhase::kIn);
+}
+
 TEST_CASE("a drive that ignores what it is told is a fault after its time, and not asked again by itself") {
   Pair pair({drive(0), drive(1)});
   pair.settle();
@@ -165,7 +176,10 @@ TEST_CASE("enable that is held since before, or raised in another state than rea
   pair.enable = false;
   pair.ticks(2);
   pair.enable = true;
-  pair.ticks(2);
+  pair.tick();
+  CHECK(pair.entry.phase(0) == DrivePhase::kOut);
+  CHECK(pair.entry.frames(0) == DriveFrames::kNone);
+  pair.tick();
   pair.state = State::kReady;
   pair.ticks(20);
   CHECK(pair.entry.phase(0) == DrivePhase::kOut);
@@ -221,12 +235,28 @@ TEST_CASE("a drive of two joints is in when both are, and has left when one is o
   Pair pair({both});
   pair.settle();
   pair.enable = true;
-  pair.says_enabled = {true, false};
-  pair.ticks(10);
-  CHECK_FALSE(pair.let_through);
+  for (const bool first : {true, false}) {
+    pair.says_enabled = {first, !first};
+    pair.ticks(10);
+    CHECK_FALSE(pair.let_through);
+  }
   pair.says_enabled = {true, true};
   pair.tick();
   CHECK(pair.let_through);
   pair.says_enabled = {true, false};
   CHECK(pair.tick().has(Fault::kDriveLeft));
+}
+
+TEST_CASE("a drive of two joints is told to leave until both are out") {
+  DriveEntrySettings both = drive(0);
+  both.joints[1] = true;
+  for (const bool first : {true, false}) {
+    Pair pair({both});
+    pair.says_enabled = {first, !first};
+    pair.ticks(10);
+    CHECK(pair.entry.phase(0) == DrivePhase::kLeaving);
+    pair.says_enabled = {};
+    pair.tick();
+    CHECK(pair.entry.phase(0) == DrivePhase::kOut);
+  }
 }
