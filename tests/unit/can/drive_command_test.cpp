@@ -26,6 +26,8 @@ BO_ 2 Right: 8 Loop
  SG_ Crc : 56|8@1+ (1,0) [0|255] "" Drives
 BO_ 3 RightState: 4 Loop
  SG_ State : 0|32@1+ (1,0) [0|0] "" Drives
+BO_ 4 Long: 12 Loop
+ SG_ Word : 0|32@1+ (1,0) [0|0] "" Drives
 BO_ 16 LeftStatus: 8 Drives
  SG_ Position : 0|16@1- (0.001,0) [0|0] "rad" Loop
  SG_ State : 16|8@1+ (1,0) [0|0] "" Loop
@@ -181,6 +183,8 @@ TEST_CASE("constants: one for a signal, of a value that it can hold, on nothing 
   CHECK(has(with({"Speed", 0.0}), "signal 'Speed' of message 'Left' does not exist"));
   CHECK(has(with({"Gain", 500.0}),
             "signal 'Gain' of message 'Left': value 500, expected one that lies in its"));
+  CHECK(has(with({"Gain", 405.0}),  // its bits reach to 409.5
+            "signal 'Gain' of message 'Left': value 405, expected one that lies in its"));
   CHECK(with({"Gain", 400.0}).empty());
   CommandMap map = right();
   map.constants = {{"Counter", 1.0}};
@@ -229,6 +233,8 @@ TEST_CASE("frames to enter by: of a message that is there, in its length, and re
   CHECK(has(refusal(left(), map), "data of 3 bytes, expected 4 as message 'RightState' has"));
   map.enter = {{"Elsewhere", {8, 0, 0, 0}}};
   CHECK(has(refusal(left(), map), "message 'Elsewhere' is not in 'drives.dbc'"));
+  map.enter = {{"Long", std::vector<std::uint8_t>(12, 0)}};
+  CHECK(has(refusal(left(), map), "message 'Long' is one of CAN FD, expected a classic frame"));
   BusMap reading = inputs();
   reading.bindings.push_back({"drive_error.2", "RightState", "State"});
   CHECK(has(refusal(left(), right(), reading), "message 'RightState' is sent by the loop"));
