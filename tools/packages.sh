@@ -1,10 +1,10 @@
 # The distribution's packages by what needs them; sourced.
 
 # Build tools and headers that serve every architecture. doctest is here because configuring a build configures its tests too.
-portable_packages=(ccache cmake doctest-dev libcli11-dev libeigen3-dev ninja-build nlohmann-json3-dev pkg-config)
+portable_packages=(ccache cmake doctest-dev libboost-dev libcli11-dev libeigen3-dev ninja-build nlohmann-json3-dev pkg-config)
 # Libraries that the programs of the rig are linked to.
 linked_packages=(libedf-dev libgpiod-dev libmd-dev libspdlog-dev libtomlplusplus-dev libzstd-dev zlib1g-dev)
-build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificates g++ git gnuplot-nox libboost-dev libceres-dev
+build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificates g++ git gnuplot-nox libceres-dev
   libfftw3-dev libmatio-dev)
 # libtorch multiplies with whatever BLAS is there; the one that it brings along takes three times as long, and of OpenBLAS only
 # this kind keeps to the number of threads that libtorch is told.
