@@ -57,7 +57,7 @@ struct Standing {
 };
 
 Standing standingOf(const std::array<double, 2>& range, const ParameterEstimate& estimate) {
-  const auto [from, to] = estimate.ci95;
+  const double from = estimate.ci95[0], to = estimate.ci95[1];
   const auto touches = [&](double bound) {
     return std::isfinite(bound) && std::abs(estimate.value - bound) <=
                                        runaway::kTouches * std::max(std::abs(bound), 0.5 * (to - from));
