@@ -110,15 +110,15 @@ void FaultInjector::flip(can::Frame& frame, FrameChannel channel) noexcept {
 }
 
 bool FaultInjector::hold(const can::Frame& frame, FrameChannel channel) noexcept {
-  double due_s = 0.0;
-  if (const FaultEvent* stall = find(FaultKind::kRigStall); stall != nullptr) {
-    due_s = stall->burstEnd(time_s_);
-  } else if (const FaultEvent* delay = find(FaultKind::kDelayedFrames, static_cast<int>(channel));
-             delay != nullptr && happens(*delay)) {
-    due_s = time_s_ + delay->delay_s;
-  } else {
+  // What a rig that stands still sends at last is under way for as long as any other.
+  const FaultEvent* const stall = find(FaultKind::kRigStall);
+  const FaultEvent* const delay = find(FaultKind::kDelayedFrames, static_cast<int>(channel));
+  const bool delayed = delay != nullptr && happens(*delay);
+  if (stall == nullptr && !delayed) {
     return false;
   }
+  const double due_s =
+      (stall != nullptr ? stall->burstEnd(time_s_) : time_s_) + (delayed ? delay->delay_s : 0.0);
   if (held_count_ < held_.size()) {
     held_[held_count_++] = {frame, channel, due_s};
   }

@@ -11,7 +11,7 @@ build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificate
 test_packages=(can-utils chromium clang-format clang-tidy debootstrap doxygen iproute2 libopenblas0-openmp libtorch-dev minisign python3
   python3-torch)
 # Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
-optional_test_packages=(clang-22 libclang-rt-22-dev python3-mne)
+optional_test_packages=(clang-22 clang-tidy-22 libclang-rt-22-dev python3-mne)
 
 # The cross compiler brings its own C library; crossbuild-essential would upgrade and remove packages of the host.
 cross_compiler=g++-aarch64-linux-gnu

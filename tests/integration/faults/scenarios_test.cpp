@@ -8,6 +8,7 @@
 
 #include "tests/support/paths.hpp"
 #include "tools/bench/faults/campaign.hpp"
+#include "tools/bench/faults/expectation.hpp"
 #include "tools/bench/faults/scenario.hpp"
 
 using namespace patella;
@@ -85,6 +86,29 @@ TEST_CASE("a turn that wraps behind a frozen position has its effect when the po
     if (reaction.kind == FaultKind::kEncoderWrap) {
       CHECK(reaction.effect_s >= 1.22 - 1e-9);
     }
+  }
+}
+
+TEST_CASE("samples that another fault takes by chance put off the stop that the rest of them owes") {
+  const FaultEvent jump{.kind = FaultKind::kEncoderJump,
+                        .time_s = 1.2,
+                        .cycle_s = 0.006,
+                        .duty = 0.28,
+                        .channel = 0,
+                        .value = 0.65};
+  FaultEvent flips{.kind = FaultKind::kFlippedBits, .time_s = 1.0, .probability = 0.05, .bits = 1};
+  const app::RunConfig config = base();
+  const double alone_s = bench::owedStop_s({jump}, 0, 1.2, config).value();
+  const double both_s = bench::owedStop_s({jump, flips}, 0, 1.2, config).value();
+  CHECK(both_s > alone_s);
+  CHECK(both_s < alone_s + 0.03);
+  // Electrodes have frames of their own.
+  flips.channel = static_cast<int>(sim::FrameChannel::kEmg);
+  CHECK(bench::owedStop_s({jump, flips}, 0, 1.2, config).value() == alone_s);
+  flips.channel = FaultEvent::kAll;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    CAPTURE(seed);
+    checkSound(trial({flips, jump}, seed));
   }
 }
 

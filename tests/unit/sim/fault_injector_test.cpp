@@ -281,6 +281,17 @@ TEST_CASE("a stalled rig makes up for it late; a restarted one begins its counte
   }
   CHECK(counts == std::vector<std::size_t>{1, 1, 1, 0, 0, 0, 4, 1});
 
+  // A delay takes as long for what a stalled rig sends.
+  FaultEvent delay = fault(FaultKind::kDelayedFrames, kFirst);
+  delay.time_s = 0.003;
+  delay.delay_s = 0.002;
+  Disturbed both(fault(FaultKind::kRigStall), {delay});
+  counts.clear();
+  for (int t = 0; t < 9; ++t) {
+    counts.push_back(both.at(t, kEncoder1).size());
+  }
+  CHECK(counts == std::vector<std::size_t>{1, 1, 1, 0, 0, 0, 1, 1, 4});
+
   Disturbed restarted(fault(FaultKind::kPeerRestart));
   CommandPen pen;
   restarted.at(0);

@@ -39,6 +39,21 @@ bool shareFrames(const FaultEvent& event, const FaultEvent& other) {
   }
 }
 
+// The most of `samples` that a fault which takes each with `probability` takes: more is rarer than once in a
+// hundred campaigns of ten thousand runs.
+int mostTaken(int samples, double probability) {
+  constexpr double kRarer = 1e-6;
+  double share = std::pow(1.0 - probability, samples);  // binomial, of exactly `taken`
+  double more = 1.0 - share;
+  int taken = 0;
+  while (more > kRarer && taken < samples) {
+    share *= (samples - taken) * probability / ((taken + 1) * (1.0 - probability));
+    more -= share;
+    ++taken;
+  }
+  return taken;
+}
+
 // A fault as the loop can see it, sample by sample from its effect on.
 class Sight {
  public:
@@ -46,13 +61,23 @@ class Sight {
       : faults_(faults), event_(faults[index]), effect_s_(effect_s) {}
 
   /// Calls judge(t, there, heard) for each sample: whether the fault is there, and whether the sample comes
-  /// through at all. Returns the first t for which it says true.
+  /// through at all. What takes samples by chance takes those that show the fault, as many as it can be
+  /// expected to. Returns the first t for which it says true.
   template <typename Judge>
   std::optional<double> walk(double period_s, Judge&& judge) const {
     const auto first = static_cast<std::int64_t>(std::ceil(effect_s_ / period_s - 1e-6));
+    int shown = 0;
+    int taken = 0;
     for (std::int64_t k = first; static_cast<double>(k) * period_s < kTrialDuration_s; ++k) {
       const double t = static_cast<double>(k) * period_s;
-      if (judge(t, event_.activeAt(t), !hidden(t))) {
+      const bool there = event_.activeAt(t);
+      const double probability = hidingProbability(t);
+      bool heard = probability < 1.0;
+      if (heard && there && probability > 0.0 && taken < mostTaken(++shown, probability)) {
+        ++taken;
+        heard = false;
+      }
+      if (judge(t, there, heard)) {
         return t;
       }
     }
@@ -61,31 +86,35 @@ class Sight {
   const FaultEvent& event() const { return event_; }
 
  private:
-  // Another fault keeps the samples from coming, or shows something else in their place.
-  bool hidden(double t) const {
-    return std::any_of(faults_.begin(), faults_.end(), [&](const FaultEvent& other) {
-      if (&other == &event_ || !other.activeAt(t) || other.probability < 1.0) {
+  // That another fault keeps a sample from coming, or shows something else in its place.
+  double hidingProbability(double t) const {
+    double most = 0.0;
+    for (const FaultEvent& other : faults_) {
+      if (&other != &event_ && other.activeAt(t) && hides(other)) {
+        most = std::max(most, other.probability);
+      }
+    }
+    return most;
+  }
+  bool hides(const FaultEvent& other) const {
+    switch (other.kind) {
+      case FaultKind::kEncoderFreeze:
+        return sim::channelGroup(event_.kind) == sim::ChannelGroup::kEncoder &&
+               other.channel == event_.channel;
+      case FaultKind::kLostFrames:
+      case FaultKind::kDelayedFrames:
+      case FaultKind::kReorderedFrames:
+      case FaultKind::kFlippedBits:
+      case FaultKind::kForgedFrames:
+        return shareFrames(event_, other);
+      case FaultKind::kRigStall:
+      case FaultKind::kPeerRestart:
+      case FaultKind::kBusOff:
+      case FaultKind::kInterfaceDown:
+        return true;
+      default:
         return false;
-      }
-      switch (other.kind) {
-        case FaultKind::kEncoderFreeze:
-          return sim::channelGroup(event_.kind) == sim::ChannelGroup::kEncoder &&
-                 other.channel == event_.channel;
-        case FaultKind::kLostFrames:
-        case FaultKind::kDelayedFrames:
-        case FaultKind::kReorderedFrames:
-        case FaultKind::kFlippedBits:
-        case FaultKind::kForgedFrames:
-          return shareFrames(event_, other);
-        case FaultKind::kRigStall:
-        case FaultKind::kPeerRestart:
-        case FaultKind::kBusOff:
-        case FaultKind::kInterfaceDown:
-          return true;
-        default:
-          return false;
-      }
-    });
+    }
   }
 
   const std::vector<FaultEvent>& faults_;
