@@ -17,6 +17,8 @@ case "${1:-}" in
   --test)
     wanted+=("${test_packages[@]}")
     optional=("${optional_test_packages[@]}")
+    # For the page of patella view. Who has npm from elsewhere keeps that: the distribution's would not install beside it.
+    command -v npm >/dev/null || optional+=(nodejs npm)
     ;;
   --cross)
     wanted+=("${cross_packages[@]}")
