@@ -187,9 +187,12 @@ bool RingReader::next(LiveMessage& message) {
   return true;
 }
 
+int RingReader::writer() const noexcept {
+  return memory_->writer.load(std::memory_order_relaxed);
+}
+
 bool RingReader::ended() const noexcept {
-  const std::int32_t writer = memory_->writer.load(std::memory_order_relaxed);
-  return memory_->ended.load(std::memory_order_acquire) != 0 || (kill(writer, 0) != 0 && errno == ESRCH);
+  return memory_->ended.load(std::memory_order_acquire) != 0 || (kill(writer(), 0) != 0 && errno == ESRCH);
 }
 
 }  // namespace patella::live

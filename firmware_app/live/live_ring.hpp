@@ -63,6 +63,8 @@ class RingReader {
   bool next(LiveMessage& message);
   /// Times that it was too late.
   std::uint64_t overruns() const noexcept { return overruns_; }
+  /// Process of the run.
+  int writer() const noexcept;
   /// The writer has said that the run is over, or is there no more.
   bool ended() const noexcept;
 

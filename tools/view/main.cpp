@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <sched.h>
 
 #include "tools/convert/progress.hpp"
 #include "tools/view/log_replay.hpp"
@@ -65,6 +66,15 @@ std::unique_ptr<patella::view::Recording> recordedRun(const std::filesystem::pat
   return std::make_unique<patella::view::Recording>(run, [&](double fraction) { progress.at(fraction); });
 }
 
+// Runs where the run's own helpers do, which keep off a processor that the loop is bound to. Another user's
+// run, or one of another container, does not tell.
+void keepOffTheLoop(int process) {
+  cpu_set_t processors;
+  if (sched_getaffinity(process, sizeof processors, &processors) == 0) {
+    sched_setaffinity(0, sizeof processors, &processors);
+  }
+}
+
 void serve(const std::filesystem::path& run, patella::view::ServerOptions options) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(options.address, error);
@@ -75,6 +85,9 @@ void serve(const std::filesystem::path& run, patella::view::ServerOptions option
         "--token-file with it, or 127.0.0.1");
   }
   const auto ring = liveRun(run);
+  if (ring != nullptr) {
+    keepOffTheLoop(ring->writer());
+  }
   const auto recording = ring == nullptr ? recordedRun(run) : nullptr;
   boost::asio::io_context context;
   patella::view::Server server(context, options, {.ring = ring.get(), .recording = recording.get()});

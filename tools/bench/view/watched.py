@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What viewers cost the loop: one run in wall-clock time, in which phases with viewers and without take turns.
 
-    tools/bench/view/watched.py [--patella FILE] [--config FILE] [--phases N] [--phase-s SECONDS]
+    tools/bench/view/watched.py [--patella FILE] [--config FILE] [--phases N] [--phase-s SECONDS] [--cpu N]
 
 With viewers means patella view and eight clients: six read everything, one reads nothing, one sends garbage. Quantiles are those
 of the loop's own wake-up and execution in ticks.csv; the first second of each phase, in which programs start or end, is left
-out. The ticks of a second are drawn again together for the interval of the ratio: they are not independent.
+out. The ticks of a second are drawn again together for the interval of the ratio: they are not independent. With --cpu the loop has that
+processor to itself, as on a rig, and the clients have the others; patella view keeps off it by itself.
 """
 import argparse
 import base64
@@ -96,7 +97,8 @@ def watched_run(arguments, folder):
     run = os.path.join(folder, "run")
     duration_s = (arguments.phases + 1) * arguments.phase_s
     loop = subprocess.Popen([arguments.patella, "run", "--config", arguments.config, "--clock", "monotonic", "--duration",
-                             str(duration_s), "--out", run], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                             str(duration_s), "--out", run] + (["--cpus", str(arguments.cpu)] if arguments.cpu is not None else []),
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while not os.path.exists(os.path.join(run, "ticks.csv")):
         time.sleep(0.05)
     time.sleep(2)
@@ -136,7 +138,10 @@ def main():
     parser.add_argument("--config", default=os.path.join(root, "firmware_app/config/adult.toml"))
     parser.add_argument("--phases", type=int, default=20, help="without and with viewers in turns")
     parser.add_argument("--phase-s", type=float, default=10.0)
+    parser.add_argument("--cpu", type=int, help="processor of the loop; the clients have the others")
     arguments = parser.parse_args()
+    if arguments.cpu is not None:
+        os.sched_setaffinity(0, os.sched_getaffinity(0) - {arguments.cpu})
     with tempfile.TemporaryDirectory() as folder:
         run, phases, received = watched_run(arguments, folder)
         with open(os.path.join(run, "summary.json"), encoding="utf-8") as file:
