@@ -13,7 +13,8 @@ if(CCACHE_PROGRAM)
   # Two checkouts of the same sources share their objects. What a source includes is known from the compiler's dependency
   # files: a source that is not in the cache is not preprocessed once more to find out, which takes a tenth of its time.
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1 "${CCACHE_PROGRAM}")
+    "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
+    CCACHE_SLOPPINESS=pch_defines,time_macros "${CCACHE_PROGRAM}")
 endif()
 
 # What an installed library asks of those who link it (tools/cmake/InstallLibraries.cmake): headers, the language, and one
@@ -34,7 +35,7 @@ target_compile_options(patella_compiler_flags INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports false positives of these inside Eigen and libstdc++ at -O2 and under sanitizers.
   target_compile_options(patella_compiler_flags INTERFACE
-    -Wno-maybe-uninitialized -Wno-null-dereference -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+    -Wno-maybe-uninitialized -Wno-null-dereference -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
     # Notes about a calling convention that changed with GCC 10.1; nothing here is linked with older C++ objects.
     target_compile_options(patella_compiler_flags INTERFACE -Wno-psabi)

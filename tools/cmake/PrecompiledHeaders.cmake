@@ -1,0 +1,71 @@
+# The headers of Eigen and of the standard library are parsed once for libraries and once for programs, not once a source.
+# Sources include what they use all the same: the builds with clang, for sanitizers and fuzzing, do without and find what is
+# missing.
+
+# Whether a target is linked with a library, whatever the way there.
+function(patella_links target library found)
+  set(${found} FALSE PARENT_SCOPE)
+  get_target_property(linked ${target} INTERFACE_LINK_LIBRARIES)
+  get_target_property(type ${target} TYPE)
+  if(NOT type STREQUAL "INTERFACE_LIBRARY")
+    get_target_property(own ${target} LINK_LIBRARIES)
+    list(APPEND linked ${own})
+  endif()
+  list(TRANSFORM linked REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1")
+  if(library IN_LIST linked)
+    set(${found} TRUE PARENT_SCOPE)
+    return()
+  endif()
+  list(REMOVE_DUPLICATES linked)
+  list(FILTER linked INCLUDE REGEX "^patella_")
+  foreach(next IN LISTS linked)
+    if(TARGET ${next})
+      patella_links(${next} ${library} there)
+      if(there)
+        set(${found} TRUE PARENT_SCOPE)
+        return()
+      endif()
+    endif()
+  endforeach()
+endfunction()
+
+# GCC takes a precompiled header for code that is made in the same way only. Libraries and programs differ in -fPIC and -fPIE,
+# libtorch brings a definition of its own.
+function(patella_precompile_target target)
+  get_target_property(type ${target} TYPE)
+  patella_links(${target} patella_core with_core)
+  patella_links(${target} torch with_torch)
+  if(NOT (with_core OR target STREQUAL "patella_core") OR with_torch)
+    return()
+  elseif(type MATCHES "^(STATIC|OBJECT)_LIBRARY$")
+    target_precompile_headers(${target} REUSE_FROM patella_precompiled_libraries)
+  elseif(type STREQUAL "EXECUTABLE")
+    target_precompile_headers(${target} REUSE_FROM patella_precompiled_programs)
+  endif()
+endfunction()
+
+function(patella_precompile_folder folder)
+  get_property(folders DIRECTORY "${folder}" PROPERTY SUBDIRECTORIES)
+  foreach(child IN LISTS folders)
+    patella_precompile_folder("${child}")
+  endforeach()
+  get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target IN LISTS targets)
+    patella_precompile_target(${target})
+  endforeach()
+endfunction()
+
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(no_source "${PROJECT_BINARY_DIR}/generated/no_source.cpp")
+  file(CONFIGURE OUTPUT "${no_source}" CONTENT "int main() {}\n")
+  add_library(patella_precompiled_libraries OBJECT EXCLUDE_FROM_ALL "${no_source}")
+  add_executable(patella_precompiled_programs EXCLUDE_FROM_ALL "${no_source}")
+  foreach(kind IN ITEMS libraries programs)
+    target_link_libraries(patella_precompiled_${kind} PRIVATE patella_settings Eigen3::Eigen)
+    target_compile_definitions(patella_precompiled_${kind} PRIVATE EIGEN_RUNTIME_NO_MALLOC)  # as patella_core asks
+    target_precompile_headers(patella_precompiled_${kind} PRIVATE <Eigen/Dense> <algorithm> <array> <chrono> <cmath> <cstdint>
+      <filesystem> <fstream> <functional> <map> <memory> <numbers> <optional> <random> <span> <sstream> <stdexcept> <string>
+      <string_view> <utility> <variant> <vector>)
+  endforeach()
+  patella_precompile_folder("${PROJECT_SOURCE_DIR}")
+endif()
