@@ -231,23 +231,21 @@ Loop::Sent Loop::sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA
       send(stopFrame(told));
     }
   }
+  bool told = true;
   for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
-    for (const can::Frame& frame : encoder_.drive(drive).frames(entry_.frames(drive))) {
-      const bool told = send(frame);
-      sent.whole = sent.whole && told;
-    }
+    told = sendEach(encoder_.drive(drive).frames(entry_.frames(drive))) && told;
   }
-  for (const can::Frame& frame : nodes_.cycle()) {
-    const bool told = send(frame);
-    sent.whole = sent.whole && told;
-  }
+  told = sendEach(nodes_.cycle()) && told;
+  sent.whole = sent.whole && told;
   return sent;
 }
 
-void Loop::sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING {
+bool Loop::sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING {
+  bool whole = true;
   for (const can::Frame& frame : frames) {
-    send(frame);
+    whole = send(frame) && whole;
   }
+  return whole;
 }
 
 bool Loop::send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {

@@ -78,7 +78,7 @@ class Loop {
   }
   Sent sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   bool send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING;
-  void sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING;
+  bool sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING;  ///< all went out
   bool fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   void setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   std::optional<std::int64_t> sensorLatency_ns(const Measurement& measurement) const noexcept
