@@ -77,6 +77,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   CLI::App& check =
       *app.add_subcommand("check", "Check a configuration and this machine's fitness for real time.");
   addCommon(check, line);
+  bool ask_nodes = false;
+  check.add_flag("--nodes", ask_nodes,
+                 "ask the CANopen drives on the bus what they are; nothing is written to them");
   check.footer(
       "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
   const CLI::App& bounds = *app.add_subcommand(
@@ -100,7 +103,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     }
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
     if (check.parsed()) {
-      return patella::app::checkRun(config, line.require_rt) ? 0 : kError;
+      return patella::app::checkRun(config, line.require_rt, ask_nodes) ? 0 : kError;
     }
     return static_cast<int>(patella::app::runLoop(config, folder.empty() ? defaultFolder() : folder, g_stop));
   } catch (const std::exception& error) {

@@ -207,6 +207,9 @@ FieldDriveDefect FaultInjector::fieldDrive(int joint) noexcept PATELLA_NONBLOCKI
   defect.off = acts(FaultKind::kDriveReboots, joint) || active(FaultKind::kPeerRestart);
   defect.faulty = acts(FaultKind::kDriveReportsFault, joint);
   defect.leaves = acts(FaultKind::kDriveLeaves, joint);
+  defect.aborts_sdo = acts(FaultKind::kDriveAbortsSdo, joint);
+  defect.wrong_rating = acts(FaultKind::kDriveWrongRating, joint);
+  defect.loses_sync = acts(FaultKind::kDriveLosesSync, joint);
   return defect;
 }
 

@@ -15,7 +15,8 @@ std::string_view faultKindName(FaultKind kind) noexcept {
       "peer_restart",     "loop_stall",          "clock_step",
       "emergency_stop",   "gpio_bounce",         "memory_pressure",
       "disk_full",        "drive_silent",        "drive_ignores_enter",
-      "drive_reboots",    "drive_reports_fault", "drive_leaves"};
+      "drive_reboots",    "drive_reports_fault", "drive_leaves",
+      "drive_aborts_sdo", "drive_wrong_rating",  "drive_loses_sync"};
   const auto index = static_cast<std::size_t>(kind);
   return index < kNames.size() ? kNames[index] : "unknown";
 }
@@ -45,6 +46,9 @@ ChannelGroup channelGroup(FaultKind kind) noexcept {
     case FaultKind::kDriveReboots:
     case FaultKind::kDriveReportsFault:
     case FaultKind::kDriveLeaves:
+    case FaultKind::kDriveAbortsSdo:
+    case FaultKind::kDriveWrongRating:
+    case FaultKind::kDriveLosesSync:
       return ChannelGroup::kDrive;
     default:
       return ChannelGroup::kNone;
@@ -57,6 +61,10 @@ bool actsOnMachine(FaultKind kind) noexcept {
 
 bool needsFieldDrive(FaultKind kind) noexcept {
   return kind >= FaultKind::kDriveSilent && kind < FaultKind::kCount;
+}
+
+bool needsCanopenDrive(FaultKind kind) noexcept {
+  return kind >= FaultKind::kDriveAbortsSdo && kind < FaultKind::kCount;
 }
 
 bool actsOnLoop(FaultKind kind) noexcept {

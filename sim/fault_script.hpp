@@ -47,6 +47,9 @@ enum class FaultKind : std::uint8_t {
   kDriveReboots,
   kDriveReportsFault,
   kDriveLeaves,
+  kDriveAbortsSdo,
+  kDriveWrongRating,
+  kDriveLosesSync,
   kCount
 };
 
@@ -76,6 +79,9 @@ bool actsOnMachine(FaultKind kind) noexcept;
 
 /// True for what only a drive that is a node of its own can do.
 bool needsFieldDrive(FaultKind kind) noexcept;
+
+/// True for what of these only a CANopen drive can do.
+bool needsCanopenDrive(FaultKind kind) noexcept;
 
 /// Messages of the rig's bus. Frames of drives that are nodes of their own are kDriveStatus.
 enum class FrameChannel : std::uint8_t {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/cia402_drive.hpp"
 #include "sim/mit_motor.hpp"
 #include "sim/odrive.hpp"
 
@@ -37,6 +38,11 @@ FieldDrive::FieldDrive(const FieldDriveOptions& options) : options_(options), st
   require(options.watchdog_s >= 0.0, "watchdog_s", options.watchdog_s, ">= 0");
   require(options.enable_delay_s >= 0.0, "enable_delay_s", options.enable_delay_s, ">= 0");
   require(options.heartbeat_period_s > 0.0, "heartbeat_period_s", options.heartbeat_period_s, "> 0");
+  require(options.rated_torque_Nm > 0.0, "rated_torque_Nm", options.rated_torque_Nm, "> 0");
+  require(options.rated_torque_unit_Nm > 0.0, "rated_torque_unit_Nm", options.rated_torque_unit_Nm, "> 0");
+  require(options.gear > 0.0, "gear", options.gear, "> 0");
+  require(options.direction == 1 || options.direction == -1, "direction", options.direction, "1 or -1");
+  require(options.counts_per_turn > 0.0, "counts_per_turn", options.counts_per_turn, "> 0");
 }
 
 bool FieldDrive::accept(const can::Frame& frame, const JointReading& joint, std::int64_t now_ns,
@@ -114,7 +120,9 @@ void FieldDrive::leave() noexcept {
 
 void FieldDrive::command(double torque_Nm, std::int64_t now_ns) noexcept {
   ++commands_;
-  starved_at_ns_ = options_.watchdog_s > 0.0 ? now_ns + nanoseconds(options_.watchdog_s) : kNever;
+  if (options_.watchdog_s > 0.0) {
+    starved_at_ns_ = now_ns + nanoseconds(options_.watchdog_s);
+  }
   const bool acts = phase_ == Phase::kEnabled;
   target_Nm_ = acts ? std::clamp(torque_Nm, -options_.torque_limit_Nm, options_.torque_limit_Nm) : 0.0;
   if (options_.bandwidth_Hz == 0.0 || !acts) {
@@ -131,6 +139,9 @@ void FieldDrive::apply() noexcept {
 std::unique_ptr<FieldDrive> makeFieldDrive(const FieldDriveOptions& options) {
   if (options.kind == FieldDriveKind::kMit) {
     return std::make_unique<MitMotor>(options);
+  }
+  if (options.kind == FieldDriveKind::kCia402) {
+    return std::make_unique<Cia402Drive>(options);
   }
   return std::make_unique<Odrive>(options);
 }

@@ -12,11 +12,11 @@
 
 namespace patella::sim {
 
-enum class FieldDriveKind : std::uint8_t { kMit, kOdrive };
+enum class FieldDriveKind : std::uint8_t { kMit, kOdrive, kCia402 };
 
 struct FieldDriveOptions {
   FieldDriveKind kind = FieldDriveKind::kMit;
-  int id = 1;         ///< identifier of an MIT-mode motor's commands; node of an ODrive
+  int id = 1;         ///< identifier of an MIT-mode motor's commands; node of an ODrive or a CANopen drive
   int master_id = 0;  ///< identifier of an MIT-mode motor's replies
   /// Ranges that an MIT-mode motor spreads its raw values over, ±; those of the gains are 0 to 500 and 0
   /// to 5.
@@ -25,9 +25,17 @@ struct FieldDriveOptions {
   double torque_range_Nm = 18.0;
   double torque_limit_Nm = 18.0;  ///< what the motor gives at most
   double bandwidth_Hz = 0.0;      ///< of its torque loop, first order; 0: ideal
-  double watchdog_s = 0.02;       ///< without a command; 0: none
+  double watchdog_s = 0.02;       ///< without a command, of a CANopen drive without SYNC; 0: none
   double enable_delay_s = 0.05;   ///< from the frame that enters until torque acts: alignment, a brake
   double heartbeat_period_s = 0.01;
+  /// Of a CANopen drive: its motor's torque, the unit in which 6076h tells it, and what is between motor and
+  /// joint. It hears the heartbeat that it is told to hear as well.
+  double rated_torque_Nm = 1.0;
+  double rated_torque_unit_Nm = 0.001;
+  double gear = 100.0;
+  int direction = 1;
+  double counts_per_turn = 16384.0;
+  double zero_angle_rad = 0.0;
 };
 
 /// What a script of faults makes of one drive.
@@ -39,6 +47,9 @@ struct FieldDriveDefect {
   bool off = false;            ///< hears and sends nothing, and has forgotten all when it comes back
   bool faulty = false;         ///< reports a fault of its own, and gives no torque
   bool leaves = false;         ///< is disabled by itself, and stays so until it is told to enter
+  bool aborts_sdo = false;     ///< refuses whatever is written to its object dictionary
+  bool wrong_rating = false;   ///< tells its rated torque in another unit, once it has started
+  bool loses_sync = false;     ///< does not hear SYNC
 };
 
 struct JointReading {
@@ -94,6 +105,8 @@ class FieldDrive {
   void leave() noexcept;
   /// A command has come; its torque acts where the drive is enabled.
   void command(double torque_Nm, std::int64_t now_ns) noexcept;
+  /// The watchdog trips then, unless it is put off until later.
+  void starveAt(std::int64_t instant_ns) noexcept { starved_at_ns_ = instant_ns; }
   const FieldDriveOptions& options() const noexcept { return options_; }
   const FieldDriveDefect& defect() const noexcept { return defect_; }
 

@@ -73,6 +73,13 @@ const std::vector<FieldDriveOptions>& checkedDrives(const RigOptions& options, i
       throw std::invalid_argument("fault '" + std::string(faultKindName(event.kind)) +
                                   "' needs drives that are nodes of their own, expected rig.drive_model");
     }
+    const bool canopen =
+        std::any_of(options.field_drives.begin(), options.field_drives.end(),
+                    [](const FieldDriveOptions& drive) { return drive.kind == FieldDriveKind::kCia402; });
+    if (needsCanopenDrive(event.kind) && !canopen) {
+      throw std::invalid_argument("fault '" + std::string(faultKindName(event.kind)) +
+                                  "' needs a CANopen drive, expected a rig.drive_model of kind cia402");
+    }
   }
   return options.field_drives;
 }

@@ -38,6 +38,8 @@ enum class Fault : std::uint8_t {
   kCommandLate,          ///< the measurement was too old by the time its command could be sent
   kDriveNotEntered,      ///< a drive did not report enabled within the time for it
   kDriveLeft,            ///< a drive that was enabled no longer is, and nobody told it so
+  kDriveEmergency,       ///< a CANopen drive sent an emergency
+  kDriveOffline,         ///< a CANopen drive's heartbeat is missing, or it is not what the set-up made of it
   kCount
 };
 

@@ -24,6 +24,8 @@ struct Binding {
   std::string origin{};        ///< where it was written, "file:line: key 'input[2]'"; for messages
   /// Of a status: values that mean enabled, or no fault. Empty: enabled is more than 0.5, no fault is 0.
   std::vector<double> good{};
+  /// Of a status: bits of its whole number that count; 0: all.
+  std::uint32_t mask = 0;
 };
 
 struct BusMap {
@@ -78,6 +80,9 @@ struct CommandMap {
   double enter_timeout_s = 0.5;
   double enter_time_s =
       0.0;  ///< of a drive that does not report: how long it is told to enter; 0: it reports
+  /// CANopen node of a CiA 402 drive, which enters and leaves by its controlword; 0: another kind.
+  int node = 0;
+  std::string controlword{};  ///< signal of the message, with a node
   std::string origin{};
 };
 

@@ -16,6 +16,10 @@ DriveCommand::DriveCommand(const Database& database, const CommandMap& map, int 
   for (const Binding& binding : map.bindings) {
     bind(map, binding, joints);
   }
+  if (map.node != 0) {
+    node_ = map.node;
+    controlword_ = Output{encoder_.slot(map.controlword), 1.0, 0.0};
+  }
   enter_ = fixed(database, map, map.enter);
   leave_ = fixed(database, map, map.leave);
   clear_ = fixed(database, map, map.clear);
@@ -24,7 +28,7 @@ DriveCommand::DriveCommand(const Database& database, const CommandMap& map, int 
   if (map.enter_time_s != 0.0) {
     requireBound(boundOf("command.enter_time_s"), map.enter_time_s);
   }
-  entry_ = {.needed = !enter_.empty(),
+  entry_ = {.needed = !enter_.empty() || node_ != 0,
             .joints = {},
             .period_s = map.enter_period_s,
             .timeout_s = map.enter_timeout_s,
@@ -94,7 +98,7 @@ void DriveCommand::put(Frame& frame, const std::optional<Output>& output, double
     encoder_.set(frame, output->slot, (value - output->offset) / output->scale);
 }
 
-Frame DriveCommand::encode(const Command& command) const noexcept {
+Frame DriveCommand::encode(const Command& command, std::uint16_t controlword) const noexcept {
   Frame frame = blank_;
   const bool finite = command.torque_Nm.allFinite();
   for (Eigen::Index joint = 0; joint < command.torque_Nm.size(); ++joint) {
@@ -102,6 +106,7 @@ Frame DriveCommand::encode(const Command& command) const noexcept {
   }
   put(frame, enable_, command.enable && finite ? 1.0 : 0.0);
   put(frame, state_, static_cast<double>(command.state));
+  put(frame, controlword_, finite ? controlword : 0.0);
   return frame;
 }
 

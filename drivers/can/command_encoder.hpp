@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,8 +26,9 @@ class DriveCommand {
   DriveCommand(const Database& database, const CommandMap& map, int joints);
 
   /// Without counter and CRC: zero but for the bound signals and the constants. Torque saturates at what its
-  /// bits hold; where one is not finite, all are zero and enable is false.
-  Frame encode(const Command& command) const noexcept PATELLA_NONBLOCKING;
+  /// bits hold; where one is not finite, all are zero and enable is false. The controlword is that of a CiA
+  /// 402 drive, 0 takes its power away; other drives have none.
+  Frame encode(const Command& command, std::uint16_t controlword = 0) const noexcept PATELLA_NONBLOCKING;
   /// Puts in the next counter value and the CRC; the last step before sending.
   void seal(Frame& frame) noexcept PATELLA_NONBLOCKING { encoder_.seal(frame); }
 
@@ -34,6 +36,8 @@ class DriveCommand {
   const safety::DriveEntrySettings& entry() const noexcept { return entry_; }
   bool moves(int joint) const noexcept { return torques_[static_cast<std::size_t>(joint)].has_value(); }
   const CompiledMessage& layout() const noexcept { return encoder_.layout(); }
+  /// CANopen node that takes a controlword; 0: none.
+  int node() const noexcept { return node_; }
 
  private:
   struct Output {
@@ -51,6 +55,8 @@ class DriveCommand {
   std::array<std::optional<Output>, kMaxJoints> torques_;
   std::optional<Output> enable_;
   std::optional<Output> state_;
+  std::optional<Output> controlword_;
+  int node_ = 0;
   std::vector<Frame> enter_, leave_, clear_;
   safety::DriveEntrySettings entry_;
 };
@@ -70,8 +76,9 @@ class CommandEncoder {
   const DriveCommand& drive(std::size_t index) const noexcept { return drives_[index]; }
 
   /// The next frame of a drive, with counter and CRC.
-  Frame encode(const Command& command, std::size_t index = 0) noexcept PATELLA_NONBLOCKING {
-    Frame frame = drives_[index].encode(command);
+  Frame encode(const Command& command, std::size_t index = 0,
+               std::uint16_t controlword = 0) noexcept PATELLA_NONBLOCKING {
+    Frame frame = drives_[index].encode(command, controlword);
     drives_[index].seal(frame);
     return frame;
   }

@@ -105,7 +105,7 @@ void MeasurementDecoder::bind(const Database& database, const BusMap& map, const
   try {
     BoundMessage& message = boundMessage(database, map, binding.message);
     message.inputs.push_back({input, static_cast<std::uint8_t>(index), message.decoder.slot(binding.signal),
-                              binding.scale, binding.offset, binding.good});
+                              binding.scale, binding.offset, binding.good, binding.mask});
     message.groups[group] = true;
     message.timeout_ns = std::min(message.timeout_ns, timeouts_ns_[group]);
     const bool emg_only = input == Input::kEmg && message.period_ns == 0;
@@ -298,6 +298,8 @@ bool MeasurementDecoder::nextSample(const BoundMessage& message, const Frame& fr
 }
 
 bool MeasurementDecoder::judge(const BoundInput& input, double value) noexcept {
+  if (input.mask != 0)
+    value = static_cast<double>(static_cast<std::uint64_t>(std::max(value, 0.0)) & input.mask);
   if (!input.good.empty())
     return std::find(input.good.begin(), input.good.end(), value) != input.good.end();
   const bool enabled = input.input == Input::kDriveEnabled || input.input == Input::kJointEnabled;

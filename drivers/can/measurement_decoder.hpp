@@ -85,6 +85,7 @@ class MeasurementDecoder {
     double scale = 1.0;
     double offset = 0.0;
     std::vector<double> good{};
+    std::uint32_t mask = 0;
   };
 
   struct BoundMessage {

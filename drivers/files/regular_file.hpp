@@ -21,6 +21,8 @@ struct FileKind {
 inline constexpr FileKind kConfigurationFile{"a configuration", 1'000'000};
 /// The bus of a whole vehicle takes a few megabytes.
 inline constexpr FileKind kBusDescription{"a bus description", 16'000'000};
+/// CANopen data sheets; those of drives have some hundred kilobytes.
+inline constexpr FileKind kDataSheet{"a data sheet", 4'000'000};
 /// The usual network takes 0.4 MB; one of 64 MB would not fit into a tick.
 inline constexpr FileKind kWeightsFile{"weights", 64'000'000};
 /// Weights, the best of them so far, and two moments of each.

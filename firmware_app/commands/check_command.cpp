@@ -1,13 +1,21 @@
 #include "firmware_app/commands/check_command.hpp"
 
+#include <numbers>
+#include <stdexcept>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "drivers/can/binding_check.hpp"
 #include "drivers/can/bus_load.hpp"
+#include "drivers/can/socketcan_bus.hpp"
+#include "drivers/canopen/drive_nodes.hpp"
+#include "drivers/canopen/node_setup.hpp"
+#include "drivers/clock/clock.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
+#include "sim/simulated_bus.hpp"
 
 namespace patella::app {
 namespace {
@@ -20,8 +28,9 @@ void line(bool ok, bool required, const std::string& name, const std::string& te
 constexpr double kBusyShare = 0.7;
 
 void tellBusLoad(const RunConfig& config) {
-  const can::BusLoad load =
+  can::BusLoad load =
       can::busLoad(config.bus.database, config.bus.map, config.bus.commands, config.loop.rate_Hz);
+  canopen::addCycleLoad(config.bus.canopen, config.loop.rate_Hz, load);
   constexpr double kUsualBitrate = 1e6;
   const bool stated = config.can_bitrate > 0;
   const double bitrate = stated ? config.can_bitrate : kUsualBitrate;
@@ -32,6 +41,47 @@ void tellBusLoad(const RunConfig& config) {
                    load.frames_per_s, load.bits_per_s / config.loop.rate_Hz, 1e3 / config.loop.rate_Hz,
                    100.0 * share, stated ? "" : "an assumed ", bitrate / 1e6,
                    share > 1.0 ? ", which is more than it carries" : ""));
+}
+
+void tellDrives(const RunConfig& config) {
+  constexpr double kPerMille = 1e-3;
+  for (std::size_t i = 0; i < config.bus.canopen.drives.size(); ++i) {
+    const canopen::DriveSettings& drive = config.bus.canopen.drives[i];
+    const double step_Nm = kPerMille * drive.gear * drive.rated_torque_Nm;
+    line(true, true, "cia402",
+         fmt::format(
+             "node {}, joint {}{}: {}; a step of its torque is {:.3g} N·m, of its position {:.3g} rad; "
+             "{} parameters; zero at {:.3g} rad",
+             drive.node, drive.joint + 1, drive.direction < 0 ? ", reversed" : "",
+             config.bus.data_sheets[i].filename().string(), step_Nm,
+             2.0 * std::numbers::pi / (drive.gear * drive.counts_per_turn), drive.parameters.size(),
+             drive.zero_angle_rad));
+  }
+}
+
+void tellNodes(const RunConfig& config, can::Bus& bus, Clock& clock) {
+  for (const canopen::DriveSettings& drive : config.bus.canopen.drives) {
+    line(true, true, "node", canopen::identityText(canopen::askNode(bus, clock, drive)));
+  }
+}
+
+// Only read from: a drive that is at work for somebody else is not disturbed.
+void askNodes(const RunConfig& config) {
+  if (!config.bus.canopen.any()) {
+    throw std::invalid_argument("--nodes: the bus map has no [[cia402]], expected one with CANopen drives");
+  }
+  if (config.backend.kind == BackendKind::kCan) {
+    can::SocketCanBus bus(config.backend.target);
+    MonotonicClock clock;
+    tellNodes(config, bus, clock);
+  } else if (config.backend.kind == BackendKind::kSim) {
+    const auto rig = makeRig(config);
+    VirtualClock clock;
+    sim::SimulatedBus bus(*rig, clock);
+    tellNodes(config, bus, clock);
+  } else {
+    throw std::invalid_argument("--nodes: a log answers nothing, expected --backend sim or can:INTERFACE");
+  }
 }
 
 void tellStability(const RunConfig& config) {
@@ -59,7 +109,7 @@ void tellStability(const RunConfig& config) {
 
 }  // namespace
 
-bool checkRun(const RunConfig& config, bool require_rt) {
+bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   // Loading has checked every value; building shows that the parts fit each other.
   const auto tick = makeTick(config);
   const can::MeasurementDecoder decoder = makeDecoder(config);
@@ -82,6 +132,10 @@ bool checkRun(const RunConfig& config, bool require_rt) {
   for (const std::string& remark :
        can::bindingRemarks(config.bus.database, config.bus.map, config.bus.commands, emg_assists)) {
     line(false, false, "bus map", remark);
+  }
+  tellDrives(config);
+  if (ask_nodes) {
+    askNodes(config);
   }
   tellBusLoad(config);
   tellStability(config);

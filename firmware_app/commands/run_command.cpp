@@ -18,6 +18,8 @@
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/can/replay_bus.hpp"
 #include "drivers/can/socketcan_bus.hpp"
+#include "drivers/canopen/drive_nodes.hpp"
+#include "drivers/canopen/node_setup.hpp"
 #include "drivers/signal_stack.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/files/atomic_file.hpp"
@@ -66,9 +68,14 @@ struct BusBackend {
   std::string channel = "sim0";
 };
 
-can::ReplayOptions replayOptions(const can::CommandEncoder& encoder, std::size_t farewell_commands) {
+can::ReplayOptions replayOptions(const RunConfig& config, const can::CommandEncoder& encoder) {
   can::ReplayOptions options;
-  options.farewell_commands = farewell_commands;
+  options.farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames);
+  const canopen::DriveNodes nodes(config.bus.canopen);
+  if (nodes.any()) {
+    options.fixed_frames.assign(nodes.cycleFrames().begin(), nodes.cycleFrames().end());
+    options.fixed_frames.insert(options.fixed_frames.end(), nodes.farewell().begin(), nodes.farewell().end());
+  }
   for (std::size_t drive = 0; drive < encoder.size(); ++drive) {
     const can::DriveCommand& command = encoder.drive(drive);
     options.command_id = command.layout().id();
@@ -94,9 +101,7 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
       backend.channel = config.backend.target;
       break;
     case BackendKind::kReplay: {
-      auto replay = std::make_unique<can::ReplayBus>(
-          config.backend.target,
-          replayOptions(encoder, static_cast<std::size_t>(config.loop.shutdown_frames)));
+      auto replay = std::make_unique<can::ReplayBus>(config.backend.target, replayOptions(config, encoder));
       if (replay->cutLine() != 0) {
         spdlog::warn("{}:{}: the log ends within this line; what stands before it is replayed",
                      config.backend.target, replay->cutLine());
@@ -117,6 +122,17 @@ BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, 
       break;
   }
   return backend;
+}
+
+// Drives that have to be told how to work before they are told to. A log has them set up already.
+void setUpDrives(const RunConfig& config, can::Bus& bus, Clock& clock) {
+  if (config.backend.kind == BackendKind::kReplay || !config.bus.canopen.any()) {
+    return;
+  }
+  for (const canopen::NodeIdentity& node :
+       canopen::setUpNodes(bus, clock, config.bus.canopen, 1.0 / config.loop.rate_Hz)) {
+    spdlog::info("{}", canopen::identityText(node));
+  }
 }
 
 // How far the run is, on a terminal, every half second.
@@ -287,10 +303,21 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
              .decoder = decoder,
              .encoder = encoder,
              .tick = *tick,
-             .sink = account});
+             .sink = account,
+             .canopen = config.bus.canopen});
   sim::StallProbe stalls(loop_clock);
   if (disturbed) {
     loop.probedBy(stalls);
+  }
+
+  if (backend.rig_thread != nullptr) {
+    backend.rig_thread->start();
+  }
+  try {
+    setUpDrives(config, *backend.bus, *clock);
+  } catch (...) {
+    recorder.discard();
+    throw;
   }
 
   // In virtual time nothing is late, and nothing outside waits for torque to end.
@@ -303,9 +330,6 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
     watchdog.emplace(options, *pins);
     loop.watchedBy(*watchdog);
     emergency_exit.emplace(*pins, *backend.bus, encoder, *clock, config.model.joints());
-  }
-  if (backend.rig_thread != nullptr) {
-    backend.rig_thread->start();
   }
   std::unique_ptr<RealtimeSetup> setup;
   try {

@@ -4,6 +4,8 @@
 #include <stdexcept>
 
 #include "drivers/can/binding_check.hpp"
+#include "drivers/canopen/drive_binding.hpp"
+#include "firmware_app/configuration/canopen_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/toml_table.hpp"
@@ -231,7 +233,9 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   for (const TomlTable& table : root.tables("protection")) {
     bus.map.protections.push_back(readProtection(table));
   }
-  if (!root.has("command") || root.isTable("command")) {
+  readCanopen(root, rehearsal, bus);
+  const bool own_commands = root.has("command") || !bus.canopen.any();
+  if (own_commands && (!root.has("command") || root.isTable("command"))) {
     bus.commands.push_back(readCommand(root.table("command")));
   } else {
     for (const TomlTable& table : root.tables("command")) {
@@ -248,6 +252,7 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
     applyRange(range, bus.database);
   }
   try {
+    canopen::bindDrives(bus.canopen, bus.database, bus.map, bus.commands);
     can::checkBindings(bus.database, bus.map, bus.commands);
   } catch (const std::invalid_argument& error) {
     throw FileError(error.what());

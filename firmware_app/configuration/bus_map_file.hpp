@@ -9,6 +9,7 @@
 
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
+#include "drivers/canopen/canopen_map.hpp"
 
 namespace patella::app {
 
@@ -17,6 +18,8 @@ struct BusDescription {
   can::Database database;
   can::BusMap map;
   std::vector<can::CommandMap> commands;  ///< one for each drive, or one for all of them
+  canopen::CanopenMap canopen;            ///< drives of [[cia402]], whose PDOs are among inputs and commands
+  std::vector<std::filesystem::path> data_sheets;  ///< EDS or DCF of each of them
 };
 
 /// Reads the map and the DBC it names. Throws FileError naming file, line and key; a DBC's own errors carry

@@ -49,27 +49,53 @@ void readDrive(const TomlTable& table, std::size_t joints, sim::DriveOptions& op
       number(table, boundOf("rig.drive.report_noise_sd_Nm"), options.report_noise_sd_Nm);
 }
 
+void readMitModel(const TomlTable& table, sim::FieldDriveOptions& options) {
+  readInteger(table, boundOf("rig.drive_model.master_id"), options.master_id);
+  options.position_range_rad =
+      number(table, boundOf("rig.drive_model.position_range_rad"), options.position_range_rad);
+  options.velocity_range_rad_s =
+      number(table, boundOf("rig.drive_model.velocity_range_rad_s"), options.velocity_range_rad_s);
+  options.torque_range_Nm =
+      number(table, boundOf("rig.drive_model.torque_range_Nm"), options.torque_range_Nm);
+}
+
+void readCia402Model(const TomlTable& table, sim::FieldDriveOptions& options) {
+  options.rated_torque_Nm =
+      number(table, boundOf("rig.drive_model.rated_torque_Nm"), options.rated_torque_Nm);
+  options.rated_torque_unit_Nm =
+      table.choice("rated_torque_unit", Names{"mN.m", "uN.m"}, "mN.m") == "mN.m" ? 1e-3 : 1e-6;
+  options.gear = number(table, boundOf("rig.drive_model.gear"), options.gear);
+  readInteger(table, boundOf("rig.drive_model.direction"), options.direction);
+  options.counts_per_turn =
+      number(table, boundOf("rig.drive_model.counts_per_turn"), options.counts_per_turn);
+  options.zero_angle_rad = number(table, boundOf("rig.drive_model.zero_angle_rad"), options.zero_angle_rad);
+}
+
+void requireNode(const TomlTable& table, int id, int first, int last) {
+  if (id < first || id > last) {
+    throw table.error("id", "value " + std::to_string(id) + ", expected a node, " + std::to_string(first) +
+                                " to " + std::to_string(last));
+  }
+}
+
 sim::FieldDriveOptions readDriveModel(const TomlTable& table) {
-  constexpr std::int64_t kLastNode = 63;
+  constexpr int kLastOdrive = 63;
+  constexpr int kLastCanopenNode = 127;
   sim::FieldDriveOptions options;
-  const bool mit = table.choice("kind", Names{"mit", "odrive"}) == "mit";
-  options.kind = mit ? sim::FieldDriveKind::kMit : sim::FieldDriveKind::kOdrive;
+  const std::string kind = table.choice("kind", Names{"mit", "odrive", "cia402"});
   readInteger(table, boundOf("rig.drive_model.id"), options.id);
-  if (mit) {
-    readInteger(table, boundOf("rig.drive_model.master_id"), options.master_id);
-    options.position_range_rad =
-        number(table, boundOf("rig.drive_model.position_range_rad"), options.position_range_rad);
-    options.velocity_range_rad_s =
-        number(table, boundOf("rig.drive_model.velocity_range_rad_s"), options.velocity_range_rad_s);
-    options.torque_range_Nm =
-        number(table, boundOf("rig.drive_model.torque_range_Nm"), options.torque_range_Nm);
+  if (kind == "mit") {
+    options.kind = sim::FieldDriveKind::kMit;
+    readMitModel(table, options);
+  } else if (kind == "cia402") {
+    options.kind = sim::FieldDriveKind::kCia402;
+    readCia402Model(table, options);
+    requireNode(table, options.id, 1, kLastCanopenNode);
   } else {
+    options.kind = sim::FieldDriveKind::kOdrive;
     options.heartbeat_period_s =
         number(table, boundOf("rig.drive_model.heartbeat_period_s"), options.heartbeat_period_s);
-    if (options.id > kLastNode) {
-      throw table.error("id", "value " + std::to_string(options.id) + ", expected a node, 0 to " +
-                                  std::to_string(kLastNode));
-    }
+    requireNode(table, options.id, 0, kLastOdrive);
   }
   options.torque_limit_Nm =
       number(table, boundOf("rig.drive_model.torque_limit_Nm"), options.torque_limit_Nm);

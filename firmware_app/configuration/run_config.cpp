@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "drivers/canopen/node_setup.hpp"
 #include "firmware_app/configuration/fault_script_file.hpp"
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
@@ -160,6 +161,21 @@ int checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& co
   return static_cast<int>(stride);
 }
 
+// CiA 402 drives sample at the loop's SYNC: steps of the estimators are its period.
+void requireSyncPeriod(const RunConfig& config) {
+  constexpr double kRounding = 1e-6;
+  const double period_s = 1.0 / config.loop.rate_Hz;
+  if (!config.bus.canopen.any()) {
+    return;
+  }
+  canopen::interpolationTime(period_s);
+  if (std::abs(config.bus.map.encoder_period_s - period_s) > kRounding * period_s) {
+    throw std::invalid_argument("checks.encoder_period_s = " + formatNumber(config.bus.map.encoder_period_s) +
+                                ", expected " + formatNumber(period_s) +
+                                ", a tick: the drives of [[cia402]] sample at the loop's SYNC");
+  }
+}
+
 }  // namespace
 
 Backend parseBackend(const std::string& text) {
@@ -254,6 +270,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +
                                 ", expected monotonic: a bus does not wait");
   }
+  located(config.bus_map_path, [&] { requireSyncPeriod(config); });
   config.loop.max_ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.loop.rate_Hz));
   return config;
 }

@@ -43,6 +43,12 @@ std::vector<double> numbers(const TomlTable& table, const Bound& bound, CountRan
   return table.numbers(bound.key(), count, rangeOf(bound), fallback);
 }
 
+std::int64_t integer(const TomlTable& table, const Bound& bound) {
+  const Range range = rangeOf(bound);
+  return table.integer(bound.key(), static_cast<std::int64_t>(range.minimum),
+                       static_cast<std::int64_t>(range.maximum));
+}
+
 std::int64_t integer(const TomlTable& table, const Bound& bound, std::int64_t fallback, bool rehearsal) {
   const Range range = rangeOf(bound, rehearsal);
   return table.integer(bound.key(), static_cast<std::int64_t>(range.minimum),

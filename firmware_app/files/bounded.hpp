@@ -21,6 +21,7 @@ std::vector<double> numbers(const TomlTable& table, const Bound& bound, CountRan
 std::vector<double> numbers(const TomlTable& table, const Bound& bound, CountRange count,
                             std::span<const double> fallback);
 /// A row of whole numbers.
+std::int64_t integer(const TomlTable& table, const Bound& bound);
 std::int64_t integer(const TomlTable& table, const Bound& bound, std::int64_t fallback,
                      bool rehearsal = false);
 template <typename Integer>

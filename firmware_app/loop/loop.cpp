@@ -27,7 +27,8 @@ Loop::Loop(const LoopParts& parts)
       frames_(kFramesPerTick),
       lateness_(parts.options),
       send_failures_(parts.options.send_failures_tolerated),
-      entry_(parts.encoder.entries(), 1.0 / parts.options.rate_Hz) {
+      entry_(parts.encoder.entries(), 1.0 / parts.options.rate_Hz),
+      nodes_(parts.canopen, 1.0 / parts.options.rate_Hz) {
   stop_.torque_Nm = JointVector::Zero(tick_.joints());
   stop_.state = static_cast<std::uint8_t>(safety::State::kFault);
 }
@@ -63,6 +64,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   drainBus(woken_ns);
   enter(probe_, Stage::kDecode);
   can::Reading reading = decoder_.finish(woken_ns);
+  reading.faults = reading.faults | nodes_.finish(woken_ns, reading.measurement);
   reading.faults = reading.faults | entry_.before(reading.measurement);
   enter(probe_, Stage::kLinesIn);
   const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
@@ -74,6 +76,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   input.time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond);
   const tick::TickOutput& output = tick_.step(input);
   entry_.after(output.state);
+  chooseControlwords();
 
   const Command& sent = sendCommand(output.command, reading.measurement.encoder_monotonic_ns);
   heartbeat_ = !heartbeat_;
@@ -91,7 +94,8 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
               .warnings = output.warnings | hostWarnings(),
               .measurement = reading.measurement,
               .output = output,
-              .sent = sent});
+              .sent = sent,
+              .notices = nodes_.notices()});
 
   // Phase two: what the next tick can have ready before its frame arrives.
   enter(probe_, Stage::kNetworkPrepare);
@@ -110,7 +114,8 @@ void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
       continue;
     }
     // Whoever else commands the drives has them: they obey the newest frame.
-    foreign_command_ = foreign_command_ || encoder_.commands(frame);
+    foreign_command_ = foreign_command_ || encoder_.commands(frame) || nodes_.reserved(frame);
+    nodes_.accept(frame);
     decoder_.accept(frame);
   }
   enter(probe_, Stage::kRecord);
@@ -196,9 +201,19 @@ const Command& Loop::sendCommand(const Command& command,
   return sent.as_computed ? command : stop_;
 }
 
+// A controlword follows from how far the drive is, and not from the command's enable: the drives have to be
+// in before there is one.
+void Loop::chooseControlwords() noexcept PATELLA_NONBLOCKING {
+  for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
+    const int node = encoder_.drive(drive).node();
+    controlwords_[drive] =
+        node == 0 ? std::uint16_t{0} : nodes_.controlword(node, entry_.phase(drive), entry_.frames(drive));
+  }
+}
+
 void Loop::encode(const Command& command) noexcept PATELLA_NONBLOCKING {
   for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
-    commands_[drive] = encoder_.encode(command, drive);
+    commands_[drive] = encoder_.encode(command, drive, controlwords_[drive]);
   }
 }
 
@@ -210,19 +225,27 @@ Loop::Sent Loop::sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA
     enter(probe_, Stage::kSend);
     const bool before = sent.as_computed;
     sent.as_computed = before && (!torque || fresh(measured_ns));
-    sent.whole = send(sent.as_computed ? commands_[drive] : encoder_.encode(stop_, drive)) && sent.whole;
+    sent.whole = send(sent.as_computed ? commands_[drive] : stopFrame(drive)) && sent.whole;
     sent.as_computed = sent.as_computed && sent.whole;
     for (std::size_t told = 0; before && !sent.as_computed && told < drive; ++told) {
-      send(encoder_.encode(stop_, told));
+      send(stopFrame(told));
     }
   }
+  bool told = true;
   for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
-    for (const can::Frame& frame : encoder_.drive(drive).frames(entry_.frames(drive))) {
-      const bool told = send(frame);
-      sent.whole = sent.whole && told;
-    }
+    told = sendEach(encoder_.drive(drive).frames(entry_.frames(drive))) && told;
   }
+  told = sendEach(nodes_.cycle()) && told;
+  sent.whole = sent.whole && told;
   return sent;
+}
+
+bool Loop::sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING {
+  bool whole = true;
+  for (const can::Frame& frame : frames) {
+    whole = send(frame) && whole;
+  }
+  return whole;
 }
 
 bool Loop::send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
@@ -263,6 +286,7 @@ void Loop::shutDown() noexcept {
   Command stop;
   stop.torque_Nm = JointVector::Zero(tick_.joints());
   stop.state = static_cast<std::uint8_t>(safety::State::kInit);
+  controlwords_ = {};
   // Not while a signal handler sends its own: the counters of the two would meet.
   for (int i = 0; i < options_.shutdown_frames && !EmergencyExit::begun(); ++i) {
     encode(stop);
@@ -272,9 +296,11 @@ void Loop::shutDown() noexcept {
       send(commands_[drive]);
     }
     for (std::size_t drive = 0; drive < encoder_.size(); ++drive) {
-      for (const can::Frame& frame : encoder_.drive(drive).frames(safety::DriveFrames::kLeave)) {
-        send(frame);
-      }
+      sendEach(encoder_.drive(drive).frames(safety::DriveFrames::kLeave));
+    }
+    sendEach(nodes_.cycle());
+    if (i + 1 == options_.shutdown_frames) {
+      sendEach(nodes_.farewell());
     }
     for (std::size_t k = 0; k < sent_count_; ++k) {
       sink_.frame(sent_[k]);

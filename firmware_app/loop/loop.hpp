@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/safety/drive_entry.hpp"
@@ -14,6 +15,7 @@
 #include "drivers/can/bus.hpp"
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/can/measurement_decoder.hpp"
+#include "drivers/canopen/drive_nodes.hpp"
 #include "drivers/clock/clock.hpp"
 #include "drivers/gpio/pins.hpp"
 #include "firmware_app/loop/lateness.hpp"
@@ -33,6 +35,7 @@ struct LoopParts {
   can::CommandEncoder& encoder;
   tick::Tick& tick;
   LoopSink& sink;
+  canopen::CanopenMap canopen{};  ///< CiA 402 drives, set up already; a copy is kept
 };
 
 class Loop {
@@ -53,7 +56,8 @@ class Loop {
   void run(const std::atomic<bool>& stop) noexcept;
 
  private:
-  /// Frames of a tick: a command for each drive, zero torque in its place, and those that it enters by.
+  /// Frames of a tick: a command for each drive, zero torque in its place, those that it enters by, and SYNC
+  /// with the heartbeat.
   static constexpr std::size_t kMostSent = std::size_t{10} * kMaxJoints;
 
   void tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PATELLA_NONBLOCKING;
@@ -67,9 +71,14 @@ class Loop {
   /// Sends it to every drive, or zero torque where it comes too late or some drive cannot be told; returns
   /// what the drives are left with: where even zero torque is lost, the enable line is low.
   const Command& sendCommand(const Command& command, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
+  void chooseControlwords() noexcept PATELLA_NONBLOCKING;
   void encode(const Command& command) noexcept PATELLA_NONBLOCKING;
+  can::Frame stopFrame(std::size_t drive) noexcept PATELLA_NONBLOCKING {
+    return encoder_.encode(stop_, drive, controlwords_[drive]);
+  }
   Sent sendAll(bool torque, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   bool send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING;
+  bool sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING;  ///< all went out
   bool fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   void setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   std::optional<std::int64_t> sensorLatency_ns(const Measurement& measurement) const noexcept
@@ -95,8 +104,10 @@ class Loop {
   safety::LeakyScore send_failures_;  ///< commands
   safety::FaultSet late_faults_;      ///< found after the tick was computed; the next one makes them latch
   safety::DriveEntry entry_;
-  std::array<can::Frame, kMaxJoints> commands_;  ///< of this tick, one for each drive
-  std::array<can::Frame, kMostSent> sent_;       ///< in this tick, for the record
+  canopen::DriveNodes nodes_;
+  std::array<std::uint16_t, kMaxJoints> controlwords_{};  ///< of this tick, for drives that take one
+  std::array<can::Frame, kMaxJoints> commands_;           ///< of this tick, one for each drive
+  std::array<can::Frame, kMostSent> sent_;                ///< in this tick, for the record
   std::size_t sent_count_ = 0;
   Command stop_;                  ///< what is sent in place of a command that comes too late
   bool foreign_command_ = false;  ///< seen in this tick

@@ -9,6 +9,7 @@
 #include "core/safety/warning.hpp"
 #include "core/tick/tick.hpp"
 #include "drivers/can/can_frame.hpp"
+#include "drivers/canopen/drive_nodes.hpp"
 
 namespace patella::app {
 
@@ -25,7 +26,8 @@ struct TickReport {
   safety::WarningSet warnings;
   const Measurement& measurement;
   const tick::TickOutput& output;
-  const Command& sent;  ///< differs from the output's where that came too late
+  const Command& sent;             ///< differs from the output's where that came too late
+  canopen::NodeNotices notices{};  ///< what CANopen drives said of themselves
 };
 
 /// All calls come from the loop's thread.

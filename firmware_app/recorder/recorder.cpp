@@ -244,8 +244,11 @@ class Recorder::Files {
 
   // A line for every change of state and for every cause that appears or goes.
   void writeEvents(const TickRecord& record, const formats::MessageTime& time) {
+    const bool noticed = std::any_of(
+        record.notices.begin(), record.notices.end(),
+        [](const canopen::NodeNotice& notice) { return notice.kind != canopen::NoticeKind::kNone; });
     if (record.state == last_state_ && record.faults == last_faults_ && record.missed_periods == 0 &&
-        record.warnings == last_warnings_) {
+        record.warnings == last_warnings_ && !noticed) {
       return;
     }
     line_ = "t_s=";
@@ -269,6 +272,11 @@ class Recorder::Files {
     }
     if (record.missed_periods != 0) {
       line_ += " missed_periods=" + std::to_string(record.missed_periods);
+    }
+    for (const canopen::NodeNotice& notice : record.notices) {
+      if (notice.kind != canopen::NoticeKind::kNone) {
+        line_ += " " + canopen::noticeText(notice);
+      }
     }
     intoMcap([&] { mcap_->event(line_, time); });
     if (live_) {

@@ -54,6 +54,7 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
     r.limits |= static_cast<std::uint32_t>(output.limits[joint].bits()) << (kLimitBitsPerJoint * joint);
   }
   r.state = static_cast<std::uint8_t>(output.state);
+  r.notices = report.notices;
   r.encoder_steps = static_cast<std::uint8_t>(std::min(measurement.encoder_steps, 255));
 }
 

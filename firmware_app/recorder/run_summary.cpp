@@ -58,7 +58,7 @@ Json inputs(const std::vector<InputFile>& files) {
 
 std::vector<InputFile> inputFiles(const RunConfig& config) {
   std::vector<InputFile> files;
-  const auto add = [&](const char* role, const std::filesystem::path& path) {
+  const auto add = [&](const std::string& role, const std::filesystem::path& path) {
     if (!path.empty()) {
       files.push_back({role, path, fileSha256(path)});
     }
@@ -68,6 +68,9 @@ std::vector<InputFile> inputFiles(const RunConfig& config) {
   add("reference", config.reference_path);
   add("bus_map", config.bus_map_path);
   add("dbc", config.bus.dbc_path);
+  for (std::size_t i = 0; i < config.bus.data_sheets.size(); ++i) {
+    add("data_sheet_" + std::to_string(i + 1), config.bus.data_sheets[i]);
+  }
   add("weights", config.weights_path);
   add("faults", config.faults_path);
   if (config.backend.kind == BackendKind::kSim) {

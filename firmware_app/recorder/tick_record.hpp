@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/types.hpp"
+#include "drivers/canopen/drive_nodes.hpp"
 
 namespace patella::app {
 
@@ -36,6 +37,7 @@ struct TickRecord {
       0;  ///< from waking to the end of the tick's work; phase two and record excluded
   std::int64_t sensor_latency_ns =
       -1;  ///< encoder frame to torque frame, bus stamps; −1 without a new encoder frame
+  canopen::NodeNotices notices{};  ///< what CANopen drives said of themselves
 };
 
 /// A column of ticks.csv: header name with unit, and where the number stands.

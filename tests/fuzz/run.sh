@@ -14,7 +14,7 @@ seconds=${1:?usage: tests/fuzz/run.sh SECONDS|short|merge [TARGET...]}
 [[ $seconds =~ ^([0-9]+|short|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds, short or merge" >&2; exit 1; }
 shift
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(dbc candump replay safetensors seal configuration bus_map model tick viewer)
+[ ${#targets[@]} -gt 0 ] || targets=(dbc data_sheet candump replay safetensors seal configuration bus_map model tick viewer)
 
 probe=$(mktemp -d)
 trap 'rm -rf "$probe"' EXIT
@@ -31,6 +31,7 @@ cmake --build --preset fuzz --target "${targets[@]/#/fuzz_}"
 seeds() {
   case $1 in
     dbc) echo drivers/can/*.dbc ;;
+    data_sheet) echo firmware_app/config/can/*.eds ;;
     model) echo firmware_app/config/models/*.toml ;;
     configuration) echo firmware_app/config/*.toml ;;
     bus_map) echo firmware_app/config/can/*.toml ;;

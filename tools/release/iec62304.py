@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What each part is used for, by Debian's source package without its version.
 PURPOSES = {
     "binutils": "linker and assembler",
-    "boost": "sockets and WebSocket of the viewer's server, which only reads",
+    "boost": "sockets and WebSocket of the viewer's server, which only reads; data sheets of drives, before the loop starts",
     "cli11": "command lines of the programs",
     "cmake": "build and packaging",
     "dpkg": "makes the Debian package",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "drivers/canopen/node_setup.hpp"
 #include "drivers/gpio/pins.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/drive_ranges.hpp"
@@ -32,6 +33,12 @@ std::string model(bool mit, int id) {
     text += "master_id = 0\nposition_range_rad = 12.5\nvelocity_range_rad_s = 8\ntorque_range_Nm = 144\n";
   }
   return text;
+}
+
+std::string nodeModel(int node) {
+  return "[[rig.drive_model]]\nkind = \"cia402\"\nid = " + std::to_string(node) +
+         "\ntorque_limit_Nm = 144\nrated_torque_Nm = 0.5\ngear = 100\ncounts_per_turn = 16384\n"
+         "watchdog_s = 0.004\n";
 }
 
 /// Of two maps, what concerns joint 1 from the first and joint 2 from the second, by the line.
@@ -77,6 +84,8 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
   const std::filesystem::path odrive_dbc = kConfig / "can/odrive_cansimple.dbc";
   std::string mit = app::readFile(kConfig / "can/mit_mode.toml");
   std::string odrive = app::readFile(kConfig / "can/odrive_cansimple.toml");
+  std::string nodes = app::readFile(kConfig / "can/cia402.toml");
+  replace(nodes, "\"cia402.", "\"" + (kConfig / "can/cia402.").string());
   replace(odrive, "\"odrive_cansimple.dbc\"", "\"" + odrive_dbc.string() + "\"");
   if (drives == Drives::kBuiltIn) {
     replace(text, "\"can/patella.toml\"", "\"" + (kConfig / "can/patella.toml").string() + "\"");
@@ -84,7 +93,9 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
     replace(text, "\"can/patella.toml\"", "\"" + map.string() + "\"");
     const bool first_mit = drives != Drives::kOdrive;
     const bool second_mit = drives == Drives::kMit;
-    replace(text, "[rig.emg]", model(first_mit, 1) + model(second_mit, 2) + "[rig.emg]");
+    const std::string models =
+        drives == Drives::kCia402 ? nodeModel(1) + nodeModel(2) : model(first_mit, 1) + model(second_mit, 2);
+    replace(text, "[rig.emg]", models + "[rig.emg]");
   }
   if (drives == Drives::kMixed) {
     writeMixedDbc(folder.path() / "mixed.dbc");
@@ -93,7 +104,9 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
   } else {
     replace(mit, "\"mit_mode.dbc\"", "\"" + mit_dbc.string() + "\"");
   }
-  app::writeFile(map, drives == Drives::kOdrive ? odrive : mit + mitRanges());
+  app::writeFile(map, drives == Drives::kOdrive   ? odrive
+                      : drives == Drives::kCia402 ? nodes
+                                                  : mit + mitRanges());
   const std::filesystem::path path = folder.path() / "run.toml";
   app::writeFile(path, text);
   app::CommandLine line;
@@ -127,7 +140,12 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
                   .decoder = decoder,
                   .encoder = encoder,
                   .tick = *tick,
-                  .sink = account});
+                  .sink = account,
+                  .canopen = config.bus.canopen});
+  if (config.bus.canopen.any()) {
+    canopen::setUpNodes(bus, clock, config.bus.canopen, 1.0 / config.loop.rate_Hz);
+    bus.tick = -1;
+  }
   const std::atomic<bool> stop{false};
   loop.run(stop);
   DriveRun run;

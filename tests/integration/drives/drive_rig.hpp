@@ -14,12 +14,12 @@
 
 namespace patella::test {
 
-enum class Drives { kBuiltIn, kMit, kOdrive, kMixed };
+enum class Drives { kBuiltIn, kMit, kOdrive, kMixed, kCia402 };
 
 inline constexpr double kEnableAt_s = 0.5;
 
 /// The demonstration with these drives, each joint with its own, in virtual time. Mixed: joint 1 in MIT mode,
-/// joint 2 on an ODrive. Files are left in `folder`.
+/// joint 2 on an ODrive. CiA 402: set up when they are run. Files are left in `folder`.
 app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder);
 
 /// Sends through to the rig, but for frames that the test keeps back; notes down what the loop sent.
@@ -31,7 +31,14 @@ class WatchedBus final : public can::Bus {
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
     ++tick;
     line_up = pins_.driveEnable();
-    return bus_.receive(frames, now_ns);
+    const std::size_t count = bus_.receive(frames, now_ns);
+    for (std::size_t i = 0; i < count; ++i) {
+      frames[i].error = frames[i].error || (drop && drop(frames[i]));
+      if (rename) {
+        rename(frames[i]);
+      }
+    }
+    return count;
   }
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override {
     const bool kept = keep_back && keep_back(frame);
@@ -46,6 +53,9 @@ class WatchedBus final : public can::Bus {
   void stall(std::int64_t span_ns) noexcept { clock_.sleepUntil(clock_.now() + span_ns); }
 
   std::function<bool(const can::Frame&)> keep_back;
+  /// Of what comes: frames that the loop does not hear, and frames that come as others.
+  std::function<bool(const can::Frame&)> drop;
+  std::function<void(can::Frame&)> rename;
   /// Frames that went out in the tick `watched_tick`.
   std::vector<can::Frame> seen;
   int watched_tick = -1;

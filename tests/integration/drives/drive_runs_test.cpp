@@ -25,7 +25,7 @@ TEST_CASE("a minute on two drives of others is a minute on the rig's own: no fra
   const ScratchFolder own_folder;
   const DriveRun own = runDrives(driveConfiguration(Drives::kBuiltIn, kMinute_s, own_folder));
   REQUIRE(own.loop.final_state == safety::State::kActive);
-  for (const Drives drives : {Drives::kMit, Drives::kOdrive, Drives::kMixed}) {
+  for (const Drives drives : {Drives::kMit, Drives::kOdrive, Drives::kMixed, Drives::kCia402}) {
     CAPTURE(static_cast<int>(drives));
     const ScratchFolder folder;
     const DriveRun run = runDrives(driveConfiguration(drives, kMinute_s, folder));
@@ -58,7 +58,7 @@ TEST_CASE("a minute on two drives of others is a minute on the rig's own: no fra
 
 TEST_CASE("a log of two drives is played back frame by frame, entering and leaving included") {
   const std::atomic<bool> never{false};
-  for (const Drives drives : {Drives::kMit, Drives::kOdrive, Drives::kMixed}) {
+  for (const Drives drives : {Drives::kMit, Drives::kOdrive, Drives::kMixed, Drives::kCia402}) {
     CAPTURE(static_cast<int>(drives));
     const ScratchFolder folder;
     app::RunConfig config = driveConfiguration(drives, 1.5, folder);
@@ -75,6 +75,8 @@ TEST_CASE("a log of two drives is played back frame by frame, entering and leavi
     const std::string ticks = app::readFile(folder.path() / "run/ticks.csv", files::kRecordingText);
     CHECK(ticks.find("drive_temperature1_degC,drive_temperature2_degC,drive_error1,drive_error2") !=
           std::string::npos);
-    CHECK(ticks.find(drives == Drives::kMit ? ",25,25,0,0," : "36.25,0,0,") != std::string::npos);
+    CHECK(ticks.find(drives == Drives::kMit      ? ",25,25,0,0,"
+                     : drives == Drives::kCia402 ? ",,,0,0,"
+                                                 : "36.25,0,0,") != std::string::npos);
   }
 }

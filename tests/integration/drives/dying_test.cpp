@@ -99,11 +99,13 @@ TEST_CASE("whoever dies of a fault of its own sends every drive zero torque and 
                 {{0x2E, {0, 0, 0, 0}}, {0x27, {1, 0, 0, 0}}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
     checkRounds(lastFrames(Drives::kMixed, signal),
                 {{1, zero}, {1, leave}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
+    // Controlword 0000h, which takes the voltage away, and no torque.
+    checkRounds(lastFrames(Drives::kCia402, signal), {{0x201, {0, 0, 0, 0}}, {0x202, {0, 0, 0, 0}}});
   }
 }
 
 TEST_CASE("a run that is asked to end, as SIGTERM does, disables both drives before it returns") {
-  for (const Drives drives : {Drives::kMit, Drives::kOdrive}) {
+  for (const Drives drives : {Drives::kMit, Drives::kOdrive, Drives::kCia402}) {
     const ScratchFolder folder;
     const DriveRun run = runDrives(driveConfiguration(drives, 1.2, folder));
     CHECK(run.loop.final_state == safety::State::kActive);

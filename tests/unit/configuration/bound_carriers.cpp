@@ -211,6 +211,21 @@ Carrier run(const std::string& estimation, const std::string& motions) {
               "[estimation]" + estimation + "[reference]\nblend_s = 2\n" + motions};
 }
 
+/// Two CANopen drives instead of one in MIT mode and an ODrive.
+Carrier canopenRun() {
+  Carrier carrier = run(kSampler, kHold);
+  const std::size_t begin = carrier.text.find("[[rig.drive_model]]");
+  const std::size_t end = carrier.text.find("[rig.emg]");
+  std::string drives;
+  for (const char* id : {"1", "2"}) {
+    drives += std::string("[[rig.drive_model]]\nkind = \"cia402\"\nid = ") + id +
+              "\nrated_torque_Nm = 0.5\ngear = 100\ndirection = 1\ncounts_per_turn = 4096\n"
+              "zero_angle_rad = 0.5\n";
+  }
+  carrier.text.replace(begin, end - begin, drives);
+  return carrier;
+}
+
 Carrier busMap() {
   return {FileKind::kBusMap, "dbc = \"" + kSource + "/drivers/can/patella.dbc\"\n" + R"(
 input = [ { name = "position_rad.1", message = "Encoder1", signal = "Position", scale = 1.0, offset = 0.0, scale_reason = "a gear" },
@@ -254,6 +269,28 @@ maximum = 7
 )"};
 }
 
+Carrier canopenMap() {
+  const std::string folder = kSource + "/firmware_app/config/can/";
+  return {FileKind::kBusMap, "dbc = \"" + folder + "cia402.dbc\"\n" + R"(
+[canopen]
+master_node = 100
+heartbeat_period_s = 0.001
+heartbeat_timeout_s = 0.05
+node_heartbeat_period_s = 0.001
+node_heartbeat_timeout_s = 0.1
+[[cia402]]
+joint = 1
+node = 1
+rated_torque_Nm = 0.5
+rated_torque_unit = "mN.m"
+gear = 100
+direction = 1
+counts_per_turn = 4096
+zero_angle_rad = 0.5
+enter_timeout_s = 2
+eds = ")" + folder + "cia402.eds\"\n"};
+}
+
 Carrier model(const std::string& mechanism) {
   return {FileKind::kModel, "[mechanism]\ngravity_m_s2 = 9.81\n" + mechanism};
 }
@@ -291,8 +328,12 @@ void loadWeights(const std::string& text, const std::filesystem::path& folder) {
 
 const std::vector<Carrier>& carriers() {
   static const std::vector<Carrier> all = [] {
-    std::vector<Carrier> made = {run(kSampler, kSinusoidAndMove), run(kSampler, kHold), busMap(),
-                                 drivesMap()};
+    std::vector<Carrier> made = {run(kSampler, kSinusoidAndMove),
+                                 run(kSampler, kHold),
+                                 canopenRun(),
+                                 busMap(),
+                                 drivesMap(),
+                                 canopenMap()};
     for (const std::string& observer : kOtherObservers) {
       made.push_back(run(observer, kHold));
     }

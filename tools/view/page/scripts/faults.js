@@ -28,5 +28,7 @@ const FAULTS = {
   command_late: ["A measurement was too old when its command could be sent.", "Look for other load on computer and bus."],
   drive_not_entered: ["A drive did not report enabled in time.", "Check the drive's mode and its enable line."],
   drive_left: ["A drive that was enabled no longer is, and nobody told it so.", "Check the drive's supply and its errors."],
+  drive_emergency: ["A CANopen drive sent an emergency.", "Read its code in the events, and look it up in the drive's manual."],
+  drive_offline: ["A CANopen drive is silent, or has started anew.", "Check its supply and cable, then start the program again."],
 };
 const RESET = "Then reset, once all inputs are healthy. Torque takes a new edge of enable.";
