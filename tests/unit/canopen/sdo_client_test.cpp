@@ -46,12 +46,16 @@ bool sameBytes(const can::Frame& frame, std::initializer_list<unsigned> bytes) {
 }  // namespace
 
 TEST_CASE("expedited answers of 1, 2, 3 and 4 bytes, and one that does not state its size") {
-  for (const auto& [command, bytes, expected] :
-       {std::tuple{0x4FU, 1, 0x78U}, std::tuple{0x4BU, 2, 0x5678U}, std::tuple{0x43U, 4, 0x12345678U},
-        std::tuple{0x42U, 4, 0x12345678U}, std::tuple{0x42U, 2, 0x5678U}, std::tuple{0x47U, 2, 0x5678U}}) {
-    CAPTURE(command);
-    Bench bench({makeFrame(0x585, {command, 0x64, 0x60, 0, 0x78, 0x56, 0x34, 0x12})});
-    CHECK(bench.sdo.number(0x6064, 0, bytes) == expected);
+  struct Row {
+    unsigned command;
+    int bytes;
+    std::uint32_t expected;
+  };
+  for (const Row& row : {Row{0x4F, 1, 0x78}, Row{0x4B, 2, 0x5678}, Row{0x43, 4, 0x12345678},
+                         Row{0x42, 4, 0x12345678}, Row{0x42, 2, 0x5678}, Row{0x47, 2, 0x5678}}) {
+    CAPTURE(row.command);
+    Bench bench({makeFrame(0x585, {row.command, 0x64, 0x60, 0, 0x78, 0x56, 0x34, 0x12})});
+    CHECK(bench.sdo.number(0x6064, 0, row.bytes) == row.expected);
     REQUIRE(bench.bus.sent.size() == 1);
     CHECK(bench.bus.sent[0].id == 0x605);
     CHECK(sameBytes(bench.bus.sent[0], {0x40, 0x64, 0x60, 0, 0, 0, 0, 0}));
