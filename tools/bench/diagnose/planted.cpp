@@ -51,7 +51,7 @@ Recording part(const Recording& whole, double from, double to) {
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
-  model::ModelDescription model;  ///< that the other half led to
+  model::ModelDescription model{};  ///< that the other half led to, once it is asked for
 };
 
 /// Kinds whose torque grows with one number, and what else a planted one of the kind has.
@@ -79,19 +79,16 @@ double middleOf(const Recording& recording, int joint) {
   return 0.5 * (*low + *high);
 }
 
-double speedOf(const Recording& recording, int joint) {
-  const diagnose::Dataset data(std::span(&recording, 1), {});
-  const Eigen::VectorXd speed = data.variable(
-      [joint](const diagnose::Series& series, std::size_t i) { return series.states[i].dq[joint]; });
-  return speed.norm() / std::sqrt(static_cast<double>(speed.size()));
-}
-
-std::vector<double> parametersOf(const std::string& kind, const std::map<std::string, double>& wanted) {
-  std::vector<double> values;
-  for (const model::EffectParameter& parameter : model::findEffect(kind)->parameters) {
-    const auto found = wanted.find(std::string(parameter.name));
-    values.push_back(found == wanted.end() ? parameter.initial
-                                           : std::clamp(found->second, parameter.minimum, parameter.maximum));
+// The shape that the smallest size belongs to; a spring rests somewhere else.
+std::vector<double> parametersOf(const diagnose::Revealed& revealed, double size, double rest_position_rad) {
+  std::vector<double> values = revealed.parameters;
+  const auto& ranges = model::findEffect(revealed.kind)->parameters;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    if (ranges[p].name == revealed.parameter) {
+      values[p] = std::clamp(size, ranges[p].minimum, ranges[p].maximum);
+    } else if (ranges[p].name == "rest_position_rad") {
+      values[p] = std::clamp(rest_position_rad, ranges[p].minimum, ranges[p].maximum);
+    }
   }
   return values;
 }
@@ -123,10 +120,8 @@ std::optional<Plant> drawPlant(const diagnose::Diagnosis& best, const Recording&
           : random.logUniform(1.0, std::min(kStrongest, kLargestShare / smallest.share_of_torque));
   plant.size =
       plant.in_smallest * smallest.smallest_size * (plant.kind == "torque_bias" ? random.sign() : 1.0);
-  plant.parameters = parametersOf(
-      plant.kind, {{plant.main, plant.size},
-                   {"smoothing_velocity_rad_s", 0.02 * speedOf(recording, plant.joint)},
-                   {"rest_position_rad", middleOf(recording, plant.joint) + random.uniform(-0.3, 0.3)}});
+  plant.parameters =
+      parametersOf(smallest, plant.size, middleOf(recording, plant.joint) + random.uniform(-0.3, 0.3));
   return plant;
 }
 
@@ -207,18 +202,14 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
     if (static_cast<double>(whole.end - whole.first) < 4.0 * kShortest_s * source.recording.rate_Hz) {
       continue;
     }
-    for (const bool second : {false, true}) {
-      const Recording other = part(source.recording, second ? 0.0 : 0.5, second ? 0.5 : 1.0);
-      const std::optional<diagnose::Diagnosis> led_to = decide(other, source.model);
-      halves.push_back({.source = &source,
-                        .from = second ? 0.5 : 0.0,
-                        .to = second ? 1.0 : 0.5,
-                        .model = led_to ? led_to->extended : source.model});
-      std::fprintf(stderr, "model of %s, half %d: %zu effects\n", source.name.c_str(), second ? 1 : 2,
-                   halves.back().model.effects.size());
-    }
+    halves.push_back({.source = &source, .from = 0.0, .to = 0.5});
+    halves.push_back({.source = &source, .from = 0.5, .to = 1.0});
   }
   return halves;
+}
+
+Recording otherHalf(const Half& half) {
+  return part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
 }
 
 // Whether the other half speaks against an effect: added to the model that this half led to, it makes the
@@ -238,8 +229,7 @@ bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDesc
            std::find(finding.replaces.begin(), finding.replaces.end(), effect.kind) != finding.replaces.end();
   });
   with.effects.push_back(*found);
-  const Recording other =
-      part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
+  const Recording other = otherHalf(half);
   const diagnose::Dataset data(std::span(&other, 1), {});
   const auto error = [&](const model::ModelDescription& model) {
     return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
@@ -369,7 +359,7 @@ std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Pl
 class PlantedCases {
  public:
   PlantedCases(const PlantedOptions& options, std::vector<Half> halves)
-      : options_(options), halves_(std::move(halves)) {
+      : options_(options), halves_(std::move(halves)), led_to_(halves_.size()) {
     if (!options.out.empty()) {
       std::filesystem::create_directories(options.out);
       table_.open(options.out / "planted.csv");
@@ -379,7 +369,7 @@ class PlantedCases {
 
   void run(std::size_t index) {
     Random random(options_.seed, index);
-    const Half& half = halves_[random.below(halves_.size())];
+    const Half& half = withModel(random.below(halves_.size()));
     const double length = (half.to - half.from) * random.uniform(0.75, 1.0);
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
     const Recording recording = part(half.source->recording, from, from + length);
@@ -431,6 +421,16 @@ class PlantedCases {
   }
 
  private:
+  // Models are worked out as they are asked for: some halves are never drawn.
+  const Half& withModel(std::size_t index) {
+    Half& half = halves_[index];
+    std::call_once(led_to_[index], [&half] {
+      const std::optional<diagnose::Diagnosis> other = decide(otherHalf(half), half.source->model);
+      half.model = other ? other->extended : half.source->model;
+    });
+    return half;
+  }
+
   static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
                                                             const model::ModelDescription& best,
                                                             const Plant& plant) {
@@ -440,6 +440,7 @@ class PlantedCases {
 
   PlantedOptions options_;
   std::vector<Half> halves_;
+  std::vector<std::once_flag> led_to_;  ///< its model, half by half
   std::mutex mutex_;
   std::ofstream table_;
   Counts sum_;
@@ -449,7 +450,7 @@ class PlantedCases {
 std::string runPlanted(const PlantedOptions& options) {
   const std::vector<MeasuredRecording> all = measuredRecordings(options.data, options.source);
   PlantedCases cases(options, halvesOf(all));
-  inParallel(options.threads, options.cases, [&](std::size_t index) { cases.run(index); });
+  inParallel(options.threads, options.cases, [&](std::size_t index) { cases.run(options.first + index); });
   return cases.summary();
 }
 
