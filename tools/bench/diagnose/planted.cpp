@@ -1,7 +1,6 @@
 #include "tools/bench/diagnose/planted.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -14,17 +13,15 @@
 
 #include <fmt/format.h>
 
-#include "core/model/effect.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/diagnose/measured_rigs.hpp"
+#include "tools/bench/diagnose/planting.hpp"
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
-#include "tools/diagnose/regression/joint_rest.hpp"
-#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {
@@ -53,117 +50,6 @@ struct Half {
   double from = 0.0, to = 1.0;
   model::ModelDescription model{};  ///< that the other half led to, once it is asked for
 };
-
-/// Kinds whose torque grows with one number, and what else a planted one of the kind has.
-constexpr std::array kKinds{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
-                            "rotor_inertia",    "payload",          "actuator_lag",     "actuator_delay"};
-/// Largest strength that is planted, in units of the smallest that would have been revealed. …
-constexpr double kStrongest = 5.0;
-/// … And as a share of the joint's torque: what is more would be another machine.
-constexpr double kLargestShare = 1.0;
-
-struct Plant {
-  std::string kind;
-  int joint = 0;
-  std::vector<double> parameters;
-  std::string main;          ///< parameter that says how large it is
-  double size = 0.0;         ///< of that parameter
-  double in_smallest = 0.0;  ///< the same in units of the smallest that would have been revealed
-};
-
-double middleOf(const Recording& recording, int joint) {
-  const Segment& rows = recording.segments.front();
-  const auto& position = recording.position_rad[static_cast<std::size_t>(joint)];
-  const auto [low, high] = std::minmax_element(position.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                                               position.begin() + static_cast<std::ptrdiff_t>(rows.end));
-  return 0.5 * (*low + *high);
-}
-
-// The shape that the smallest size belongs to; a spring rests somewhere else.
-std::vector<double> parametersOf(const diagnose::Revealed& revealed, double size, double rest_position_rad) {
-  std::vector<double> values = revealed.parameters;
-  const auto& ranges = model::findEffect(revealed.kind)->parameters;
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    if (ranges[p].name == revealed.parameter) {
-      values[p] = std::clamp(size, ranges[p].minimum, ranges[p].maximum);
-    } else if (ranges[p].name == "rest_position_rad") {
-      values[p] = std::clamp(rest_position_rad, ranges[p].minimum, ranges[p].maximum);
-    }
-  }
-  return values;
-}
-
-// One of the effects that the recording as it is would have revealed, on a joint whose drive can give their
-// torque: half of them exactly as large as the smallest that it would have. Nothing where there is none.
-std::optional<Plant> drawPlant(const diagnose::Diagnosis& best, const Recording& recording, Random& random) {
-  const diagnose::Dataset data(std::span(&recording, 1), {});
-  const std::vector<bool> driven = diagnose::drivenJoints(
-      data, model::makeModel({.mechanism = best.extended.mechanism, .effects = {}}).mechanism());
-  std::vector<const diagnose::Revealed*> possible;
-  for (const diagnose::Revealed& revealed : best.revealed) {
-    const bool drawn = std::find(kKinds.begin(), kKinds.end(), revealed.kind) != kKinds.end();
-    const bool late = revealed.kind == "actuator_lag" || revealed.kind == "actuator_delay";
-    if (drawn && driven[static_cast<std::size_t>(revealed.joint)] && std::isfinite(revealed.smallest_size) &&
-        revealed.smallest_size > 0.0 && revealed.share_of_torque < kLargestShare &&
-        !(late && revealed.smallest_size > diagnose::convention::kLeastShift_s)) {
-      possible.push_back(&revealed);
-    }
-  }
-  if (possible.empty()) {
-    return std::nullopt;
-  }
-  const diagnose::Revealed& smallest = *possible[random.below(possible.size())];
-  Plant plant{.kind = smallest.kind, .joint = smallest.joint, .parameters = {}, .main = smallest.parameter};
-  plant.in_smallest =
-      random.chance(0.5)
-          ? 1.0
-          : random.logUniform(1.0, std::min(kStrongest, kLargestShare / smallest.share_of_torque));
-  plant.size =
-      plant.in_smallest * smallest.smallest_size * (plant.kind == "torque_bias" ? random.sign() : 1.0);
-  plant.parameters =
-      parametersOf(smallest, plant.size, middleOf(recording, plant.joint) + random.uniform(-0.3, 0.3));
-  return plant;
-}
-
-// What the drive would have had to give with the effect there and the motion the same.
-void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& mechanism) {
-  constexpr double kEveryRow_Hz = 1e6;
-  const diagnose::Dataset data(std::span(&recording, 1), {.evaluation_rate_Hz = kEveryRow_Hz});
-  const auto effect = model::makeEffect(plant.kind, plant.joint, mechanism, plant.parameters);
-  const std::size_t first = recording.segments.front().first;
-  const diagnose::Series& series = data.series().front();
-  const auto torque = [&](std::size_t i, double later_s) {
-    const double place = std::clamp(static_cast<double>(i) + later_s * series.rate_Hz, 0.0,
-                                    static_cast<double>(series.states.size() - 1));
-    const auto low = std::min(static_cast<std::size_t>(place), series.states.size() - 2);
-    const double share = place - static_cast<double>(low);
-    return (1.0 - share) * series.states[low].torque_Nm[plant.joint] +
-           share * series.states[low + 1].torque_Nm[plant.joint];
-  };
-  std::vector<JointVector> planted(series.states.size(), JointVector::Zero(recording.joints));
-  effect->reset(series.states.front());
-  for (std::size_t i = 0; i < planted.size(); ++i) {
-    if (plant.kind == "actuator_delay") {
-      planted[i][plant.joint] = torque(i, plant.parameters[0]) - torque(i, 0.0);
-    } else if (plant.kind == "actuator_lag") {
-      const double step_s = 1.0 / series.rate_Hz;
-      planted[i][plant.joint] =
-          plant.parameters[0] * (torque(i, step_s) - torque(i, -step_s)) / (2.0 * step_s);
-    } else {
-      if (i > 0) {
-        effect->advance(series.states[i], 1.0 / series.rate_Hz);
-      }
-      planted[i] =
-          effect->inertia(series.states[i].q) * series.acceleration[i] - effect->torque(series.states[i]);
-    }
-  }
-  // A load on one joint is carried by those before it, too.
-  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
-    for (std::size_t i = 0; i < planted.size(); ++i) {
-      recording.torque_Nm[j][first + i] += planted[i][static_cast<Eigen::Index>(j)];
-    }
-  }
-}
 
 // Nothing where the recording is refused.
 std::optional<diagnose::Diagnosis> decide(const Recording& recording, const model::ModelDescription& model) {
@@ -246,7 +132,7 @@ struct Counts {
   std::size_t planted() const { return at_smallest + above; }
 };
 
-bool names(const diagnose::EffectFinding& finding, const Plant& plant) {
+bool names(const diagnose::EffectFinding& finding, const PlantedEffect& plant) {
   const auto& others = finding.indistinguishable_from;
   return finding.joint == plant.joint &&
          (finding.kind == plant.kind || std::find(others.begin(), others.end(), plant.kind) != others.end());
@@ -254,7 +140,7 @@ bool names(const diagnose::EffectFinding& finding, const Plant& plant) {
 
 // The planted number as it was found; nothing where the effect was not found by its own name.
 std::optional<diagnose::ParameterEstimate> foundSize(const diagnose::Diagnosis& diagnosis,
-                                                     const Plant& plant) {
+                                                     const PlantedEffect& plant) {
   for (const diagnose::EffectFinding& finding : diagnosis.effects) {
     if (finding.joint != plant.joint || finding.kind != plant.kind) {
       continue;
@@ -273,7 +159,7 @@ bool holds(const diagnose::ParameterEstimate& estimate, double size) {
 }
 
 // `diagnosis`: nothing where the recording was refused.
-void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant, Counts& counts) {
+void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const PlantedEffect& plant, Counts& counts) {
   bool found = false, other = false;
   if (diagnosis) {
     for (const diagnose::EffectFinding& finding : diagnosis->effects) {
@@ -327,7 +213,7 @@ std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
 }
 
 // The size that was found, or what stands against the effect: "gain 12 of 9: stability", or the doubts.
-std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
+std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const PlantedEffect& plant) {
   if (!diagnosis) {
     return {};
   }
@@ -376,7 +262,7 @@ class PlantedCases {
     const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
     const std::optional<diagnose::Diagnosis> best =
         plain ? decideWithBest(recording, plain->extended) : std::nullopt;
-    const std::optional<Plant> plant =
+    const std::optional<PlantedEffect> plant =
         best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
     std::optional<diagnose::Diagnosis> answer;
     if (plant) {
@@ -433,7 +319,7 @@ class PlantedCases {
 
   static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
                                                             const model::ModelDescription& best,
-                                                            const Plant& plant) {
+                                                            const PlantedEffect& plant) {
     plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
     return decide(recording, best);
   }
