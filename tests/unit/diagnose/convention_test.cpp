@@ -28,8 +28,13 @@ model::ModelDescription arm() {
           .effects = {}};
 }
 
+struct Arm {
+  double rotor_kg_m2 = 0.0;  ///< of the second drive
+  double second_line = 1.0;  ///< share of it in the motion, which has two on each joint
+};
+
 // An arm that swings below its shoulder, both joints with some dry friction.
-Recording swinging() {
+Recording swinging(const Arm& arm_of = {}) {
   constexpr double kRate_Hz = 200.0, kFriction_Nm = 0.05;
   const model::DynamicsModel dynamics = model::makeModel(arm());
   Recording recording;
@@ -48,13 +53,15 @@ Recording swinging() {
     state.q.resize(2);
     state.dq.resize(2);
     state.torque_Nm.setZero(2);
-    state.q << -0.5 * kPi + sine(0.8, 0.31, 0.0, 0) + sine(0.3, 0.83, 1.0, 0),
-        0.2 + sine(0.9, 0.43, 2.0, 0) + sine(0.3, 1.07, 0.5, 0);
-    state.dq << sine(0.8, 0.31, 0.0, 1) + sine(0.3, 0.83, 1.0, 1),
-        sine(0.9, 0.43, 2.0, 1) + sine(0.3, 1.07, 0.5, 1);
-    ddq << sine(0.8, 0.31, 0.0, 2) + sine(0.3, 0.83, 1.0, 2),
-        sine(0.9, 0.43, 2.0, 2) + sine(0.3, 1.07, 0.5, 2);
-    const JointVector torque = dynamics.inverseDynamics(state, ddq);
+    const double second = 0.3 * arm_of.second_line;
+    state.q << -0.5 * kPi + sine(0.8, 0.31, 0.0, 0) + sine(second, 0.83, 1.0, 0),
+        0.2 + sine(0.9, 0.43, 2.0, 0) + sine(second, 1.07, 0.5, 0);
+    state.dq << sine(0.8, 0.31, 0.0, 1) + sine(second, 0.83, 1.0, 1),
+        sine(0.9, 0.43, 2.0, 1) + sine(second, 1.07, 0.5, 1);
+    ddq << sine(0.8, 0.31, 0.0, 2) + sine(second, 0.83, 1.0, 2),
+        sine(0.9, 0.43, 2.0, 2) + sine(second, 1.07, 0.5, 2);
+    JointVector torque = dynamics.inverseDynamics(state, ddq);
+    torque[1] += arm_of.rotor_kg_m2 * ddq[1];
     recording.time_s.push_back(t);
     for (int joint = 0; joint < 2; ++joint) {
       const auto j = static_cast<std::size_t>(joint);
@@ -94,6 +101,13 @@ std::vector<double> later(const std::vector<double>& values, std::size_t rows) {
 
 TEST_CASE("a recording in the model's own conventions has no better ones") {
   CHECK(wrongIn(swinging()).empty());
+}
+
+TEST_CASE("a motor's inertia that the model lacks is no wrong convention") {
+  CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.03})).empty());
+  CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.1})).empty());
+  CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.03, .second_line = 0.0})).empty());
+  CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.1, .second_line = 0.0})).empty());
 }
 
 TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint and size") {

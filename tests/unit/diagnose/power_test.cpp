@@ -6,10 +6,13 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "tests/unit/diagnose/recordings.hpp"
+#include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/rehearsal.hpp"
 
@@ -113,4 +116,24 @@ TEST_CASE("a rehearsal asserts what is beyond chance and outweighs the rest") {
   CHECK(above_chance * sine_rms < left_Nm);
   CHECK(above_rest * sine_rms > asserted::kOverRest * left_Nm);
   CHECK(above_rest * sine_rms < 2.5 * asserted::kOverRest * left_Nm);
+}
+
+TEST_CASE("a smallest size goes with a shape, that of the kind's plain variant") {
+  const Dataset data(std::array{noisy(20.0, 0.1)}, DatasetOptions{});
+  ModelFitter fitter(data, kModel, {});
+  const ModelFit fit = fitter.nominal();
+  const std::vector<std::string> kinds{"coulomb_friction", "actuator_delay"};
+  constexpr double kSmoothing_rad_s = 0.05;
+  const Atoms atoms = recipeAtoms(fitter, recipes(data, model::makeModel(kModel).mechanism(), kinds, {},
+                                                  std::array{kSmoothing_rad_s}, false));
+  const RestOfJoint rest{.torque_Nm = 3.0, .structure_Nm = 0.01, .noise_Nm = 0.05};
+  const std::vector<Revealed> all =
+      revealedBy(fitter, fit, atoms, std::array{rest}, {}, {.threshold = kThreshold, .margin = 10.0});
+  REQUIRE(all.size() == 2);
+  const Revealed& friction = all.front();
+  CHECK(friction.kind == "coulomb_friction");
+  CHECK(friction.smallest_size > 0.0);
+  REQUIRE(friction.parameters.size() == 2);
+  CHECK(friction.parameters[0] == friction.smallest_size);
+  CHECK(friction.parameters[1] == kSmoothing_rad_s);
 }

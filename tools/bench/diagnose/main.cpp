@@ -264,6 +264,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                                .source = PATELLA_SOURCE_DIR,
                                .out = options.out,
                                .cases = options.cases,
+                               .first = options.first,
                                .seed = options.seed,
                                .threads = options.threads});
     } else if (options.suite == "conventions") {

@@ -1,7 +1,6 @@
 #include "tools/bench/diagnose/planted.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -14,17 +13,15 @@
 
 #include <fmt/format.h>
 
-#include "core/model/effect.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/diagnose/measured_rigs.hpp"
+#include "tools/bench/diagnose/planting.hpp"
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
-#include "tools/diagnose/regression/joint_rest.hpp"
-#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::bench {
@@ -51,124 +48,8 @@ Recording part(const Recording& whole, double from, double to) {
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
-  model::ModelDescription model;  ///< that the other half led to
+  model::ModelDescription model{};  ///< that the other half led to, once it is asked for
 };
-
-/// Kinds whose torque grows with one number, and what else a planted one of the kind has.
-constexpr std::array kKinds{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
-                            "rotor_inertia",    "payload",          "actuator_lag",     "actuator_delay"};
-/// Largest strength that is planted, in units of the smallest that would have been revealed. …
-constexpr double kStrongest = 5.0;
-/// … And as a share of the joint's torque: what is more would be another machine.
-constexpr double kLargestShare = 1.0;
-
-struct Plant {
-  std::string kind;
-  int joint = 0;
-  std::vector<double> parameters;
-  std::string main;          ///< parameter that says how large it is
-  double size = 0.0;         ///< of that parameter
-  double in_smallest = 0.0;  ///< the same in units of the smallest that would have been revealed
-};
-
-double middleOf(const Recording& recording, int joint) {
-  const Segment& rows = recording.segments.front();
-  const auto& position = recording.position_rad[static_cast<std::size_t>(joint)];
-  const auto [low, high] = std::minmax_element(position.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                                               position.begin() + static_cast<std::ptrdiff_t>(rows.end));
-  return 0.5 * (*low + *high);
-}
-
-double speedOf(const Recording& recording, int joint) {
-  const diagnose::Dataset data(std::span(&recording, 1), {});
-  const Eigen::VectorXd speed = data.variable(
-      [joint](const diagnose::Series& series, std::size_t i) { return series.states[i].dq[joint]; });
-  return speed.norm() / std::sqrt(static_cast<double>(speed.size()));
-}
-
-std::vector<double> parametersOf(const std::string& kind, const std::map<std::string, double>& wanted) {
-  std::vector<double> values;
-  for (const model::EffectParameter& parameter : model::findEffect(kind)->parameters) {
-    const auto found = wanted.find(std::string(parameter.name));
-    values.push_back(found == wanted.end() ? parameter.initial
-                                           : std::clamp(found->second, parameter.minimum, parameter.maximum));
-  }
-  return values;
-}
-
-// One of the effects that the recording as it is would have revealed, on a joint whose drive can give their
-// torque: half of them exactly as large as the smallest that it would have. Nothing where there is none.
-std::optional<Plant> drawPlant(const diagnose::Diagnosis& best, const Recording& recording, Random& random) {
-  const diagnose::Dataset data(std::span(&recording, 1), {});
-  const std::vector<bool> driven = diagnose::drivenJoints(
-      data, model::makeModel({.mechanism = best.extended.mechanism, .effects = {}}).mechanism());
-  std::vector<const diagnose::Revealed*> possible;
-  for (const diagnose::Revealed& revealed : best.revealed) {
-    const bool drawn = std::find(kKinds.begin(), kKinds.end(), revealed.kind) != kKinds.end();
-    const bool late = revealed.kind == "actuator_lag" || revealed.kind == "actuator_delay";
-    if (drawn && driven[static_cast<std::size_t>(revealed.joint)] && std::isfinite(revealed.smallest_size) &&
-        revealed.smallest_size > 0.0 && revealed.share_of_torque < kLargestShare &&
-        !(late && revealed.smallest_size > diagnose::convention::kLeastShift_s)) {
-      possible.push_back(&revealed);
-    }
-  }
-  if (possible.empty()) {
-    return std::nullopt;
-  }
-  const diagnose::Revealed& smallest = *possible[random.below(possible.size())];
-  Plant plant{.kind = smallest.kind, .joint = smallest.joint, .parameters = {}, .main = smallest.parameter};
-  plant.in_smallest =
-      random.chance(0.5)
-          ? 1.0
-          : random.logUniform(1.0, std::min(kStrongest, kLargestShare / smallest.share_of_torque));
-  plant.size =
-      plant.in_smallest * smallest.smallest_size * (plant.kind == "torque_bias" ? random.sign() : 1.0);
-  plant.parameters = parametersOf(
-      plant.kind, {{plant.main, plant.size},
-                   {"smoothing_velocity_rad_s", 0.02 * speedOf(recording, plant.joint)},
-                   {"rest_position_rad", middleOf(recording, plant.joint) + random.uniform(-0.3, 0.3)}});
-  return plant;
-}
-
-// What the drive would have had to give with the effect there and the motion the same.
-void plantIn(Recording& recording, const Plant& plant, const model::Mechanism& mechanism) {
-  constexpr double kEveryRow_Hz = 1e6;
-  const diagnose::Dataset data(std::span(&recording, 1), {.evaluation_rate_Hz = kEveryRow_Hz});
-  const auto effect = model::makeEffect(plant.kind, plant.joint, mechanism, plant.parameters);
-  const std::size_t first = recording.segments.front().first;
-  const diagnose::Series& series = data.series().front();
-  const auto torque = [&](std::size_t i, double later_s) {
-    const double place = std::clamp(static_cast<double>(i) + later_s * series.rate_Hz, 0.0,
-                                    static_cast<double>(series.states.size() - 1));
-    const auto low = std::min(static_cast<std::size_t>(place), series.states.size() - 2);
-    const double share = place - static_cast<double>(low);
-    return (1.0 - share) * series.states[low].torque_Nm[plant.joint] +
-           share * series.states[low + 1].torque_Nm[plant.joint];
-  };
-  std::vector<JointVector> planted(series.states.size(), JointVector::Zero(recording.joints));
-  effect->reset(series.states.front());
-  for (std::size_t i = 0; i < planted.size(); ++i) {
-    if (plant.kind == "actuator_delay") {
-      planted[i][plant.joint] = torque(i, plant.parameters[0]) - torque(i, 0.0);
-    } else if (plant.kind == "actuator_lag") {
-      const double step_s = 1.0 / series.rate_Hz;
-      planted[i][plant.joint] =
-          plant.parameters[0] * (torque(i, step_s) - torque(i, -step_s)) / (2.0 * step_s);
-    } else {
-      if (i > 0) {
-        effect->advance(series.states[i], 1.0 / series.rate_Hz);
-      }
-      planted[i] =
-          effect->inertia(series.states[i].q) * series.acceleration[i] - effect->torque(series.states[i]);
-    }
-  }
-  // A load on one joint is carried by those before it, too.
-  for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
-    for (std::size_t i = 0; i < planted.size(); ++i) {
-      recording.torque_Nm[j][first + i] += planted[i][static_cast<Eigen::Index>(j)];
-    }
-  }
-}
 
 // Nothing where the recording is refused.
 std::optional<diagnose::Diagnosis> decide(const Recording& recording, const model::ModelDescription& model) {
@@ -207,18 +88,14 @@ std::vector<Half> halvesOf(const std::vector<MeasuredRecording>& all) {
     if (static_cast<double>(whole.end - whole.first) < 4.0 * kShortest_s * source.recording.rate_Hz) {
       continue;
     }
-    for (const bool second : {false, true}) {
-      const Recording other = part(source.recording, second ? 0.0 : 0.5, second ? 0.5 : 1.0);
-      const std::optional<diagnose::Diagnosis> led_to = decide(other, source.model);
-      halves.push_back({.source = &source,
-                        .from = second ? 0.5 : 0.0,
-                        .to = second ? 1.0 : 0.5,
-                        .model = led_to ? led_to->extended : source.model});
-      std::fprintf(stderr, "model of %s, half %d: %zu effects\n", source.name.c_str(), second ? 1 : 2,
-                   halves.back().model.effects.size());
-    }
+    halves.push_back({.source = &source, .from = 0.0, .to = 0.5});
+    halves.push_back({.source = &source, .from = 0.5, .to = 1.0});
   }
   return halves;
+}
+
+Recording otherHalf(const Half& half) {
+  return part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
 }
 
 // Whether the other half speaks against an effect: added to the model that this half led to, it makes the
@@ -238,8 +115,7 @@ bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDesc
            std::find(finding.replaces.begin(), finding.replaces.end(), effect.kind) != finding.replaces.end();
   });
   with.effects.push_back(*found);
-  const Recording other =
-      part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
+  const Recording other = otherHalf(half);
   const diagnose::Dataset data(std::span(&other, 1), {});
   const auto error = [&](const model::ModelDescription& model) {
     return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
@@ -256,7 +132,7 @@ struct Counts {
   std::size_t planted() const { return at_smallest + above; }
 };
 
-bool names(const diagnose::EffectFinding& finding, const Plant& plant) {
+bool names(const diagnose::EffectFinding& finding, const PlantedEffect& plant) {
   const auto& others = finding.indistinguishable_from;
   return finding.joint == plant.joint &&
          (finding.kind == plant.kind || std::find(others.begin(), others.end(), plant.kind) != others.end());
@@ -264,7 +140,7 @@ bool names(const diagnose::EffectFinding& finding, const Plant& plant) {
 
 // The planted number as it was found; nothing where the effect was not found by its own name.
 std::optional<diagnose::ParameterEstimate> foundSize(const diagnose::Diagnosis& diagnosis,
-                                                     const Plant& plant) {
+                                                     const PlantedEffect& plant) {
   for (const diagnose::EffectFinding& finding : diagnosis.effects) {
     if (finding.joint != plant.joint || finding.kind != plant.kind) {
       continue;
@@ -283,7 +159,7 @@ bool holds(const diagnose::ParameterEstimate& estimate, double size) {
 }
 
 // `diagnosis`: nothing where the recording was refused.
-void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant, Counts& counts) {
+void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const PlantedEffect& plant, Counts& counts) {
   bool found = false, other = false;
   if (diagnosis) {
     for (const diagnose::EffectFinding& finding : diagnosis->effects) {
@@ -337,7 +213,7 @@ std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
 }
 
 // The size that was found, or what stands against the effect: "gain 12 of 9: stability", or the doubts.
-std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Plant& plant) {
+std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const PlantedEffect& plant) {
   if (!diagnosis) {
     return {};
   }
@@ -369,7 +245,7 @@ std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Pl
 class PlantedCases {
  public:
   PlantedCases(const PlantedOptions& options, std::vector<Half> halves)
-      : options_(options), halves_(std::move(halves)) {
+      : options_(options), halves_(std::move(halves)), led_to_(halves_.size()) {
     if (!options.out.empty()) {
       std::filesystem::create_directories(options.out);
       table_.open(options.out / "planted.csv");
@@ -379,14 +255,14 @@ class PlantedCases {
 
   void run(std::size_t index) {
     Random random(options_.seed, index);
-    const Half& half = halves_[random.below(halves_.size())];
+    const Half& half = withModel(random.below(halves_.size()));
     const double length = (half.to - half.from) * random.uniform(0.75, 1.0);
     const double from = half.from + random.uniform(0.0, half.to - half.from - length);
     const Recording recording = part(half.source->recording, from, from + length);
     const std::optional<diagnose::Diagnosis> plain = decide(recording, half.model);
     const std::optional<diagnose::Diagnosis> best =
         plain ? decideWithBest(recording, plain->extended) : std::nullopt;
-    const std::optional<Plant> plant =
+    const std::optional<PlantedEffect> plant =
         best && !half.source->by_hand ? drawPlant(*best, recording, random) : std::nullopt;
     std::optional<diagnose::Diagnosis> answer;
     if (plant) {
@@ -431,15 +307,26 @@ class PlantedCases {
   }
 
  private:
+  // Models are worked out as they are asked for: some halves are never drawn.
+  const Half& withModel(std::size_t index) {
+    Half& half = halves_[index];
+    std::call_once(led_to_[index], [&half] {
+      const std::optional<diagnose::Diagnosis> other = decide(otherHalf(half), half.source->model);
+      half.model = other ? other->extended : half.source->model;
+    });
+    return half;
+  }
+
   static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
                                                             const model::ModelDescription& best,
-                                                            const Plant& plant) {
+                                                            const PlantedEffect& plant) {
     plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
     return decide(recording, best);
   }
 
   PlantedOptions options_;
   std::vector<Half> halves_;
+  std::vector<std::once_flag> led_to_;  ///< its model, half by half
   std::mutex mutex_;
   std::ofstream table_;
   Counts sum_;
@@ -449,7 +336,7 @@ class PlantedCases {
 std::string runPlanted(const PlantedOptions& options) {
   const std::vector<MeasuredRecording> all = measuredRecordings(options.data, options.source);
   PlantedCases cases(options, halvesOf(all));
-  inParallel(options.threads, options.cases, [&](std::size_t index) { cases.run(index); });
+  inParallel(options.threads, options.cases, [&](std::size_t index) { cases.run(options.first + index); });
   return cases.summary();
 }
 

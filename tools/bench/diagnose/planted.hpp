@@ -13,6 +13,7 @@ struct PlantedOptions {
   std::filesystem::path source;  ///< the project's: maps of columns and models
   std::filesystem::path out;     ///< folder for planted.csv; empty: none
   std::size_t cases = 100;
+  std::size_t first = 0;  ///< number of the first case of the seed
   std::uint64_t seed = 1;
   unsigned threads = 1;
 };

@@ -15,8 +15,26 @@ namespace {
 
 using namespace convention;
 
-/// Plain effects of a joint, in the order of elementaryColumns().
-enum Plain { kViscous, kCoulomb, kStiffness, kBias, kPlainKinds };
+/// Plain effects of a joint: those of elementaryColumns() in their order, and the inertia of its motor.
+enum Plain { kViscous, kCoulomb, kStiffness, kBias, kRotor, kPlainKinds };
+
+// Of all joints, one joint after the other.
+Eigen::MatrixXd plainColumns(const Dataset& data) {
+  const std::vector<ElementaryColumn> elementary = elementaryColumns(data);
+  Eigen::MatrixXd columns(data.rows() * data.joints(), data.joints() * kPlainKinds);
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    for (int kind = 0; kind < kRotor; ++kind) {
+      columns.col(joint * kPlainKinds + kind) =
+          elementary[static_cast<std::size_t>(joint * kRotor + kind)].torque;
+    }
+    columns.col(joint * kPlainKinds + kRotor) = data.column({}, [joint](const Series& series, std::size_t i) {
+      JointVector torque = JointVector::Zero(series.acceleration[i].size());
+      torque[joint] = series.acceleration[i][joint];
+      return torque;
+    });
+  }
+  return columns;
+}
 
 // Least squares within the ranges, by coordinate descent: few columns, any of which may be dependent.
 Eigen::VectorXd solveWithin(const Eigen::MatrixXd& columns, const Eigen::VectorXd& lower,
@@ -77,11 +95,7 @@ Reader::Columns Reader::columnsOf(const Dataset& data) const {
   columns.model.leftCols(base.size()) =
       data.regressor(bare.mechanism(), JointVector::Zero(data.joints())) * base.asDiagonal();
   columns.model.rightCols(declared.cols()) = declared;
-  const std::vector<ElementaryColumn> plain = elementaryColumns(data);
-  columns.effects.resize(declared.rows(), static_cast<Eigen::Index>(plain.size()));
-  for (std::size_t k = 0; k < plain.size(); ++k) {
-    columns.effects.col(static_cast<Eigen::Index>(k)) = plain[k].torque;
-  }
+  columns.effects = plainColumns(data);
   return columns;
 }
 

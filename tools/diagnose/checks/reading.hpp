@@ -44,7 +44,7 @@ class Reader {
   /// Torque that a motion needs from the drives, whatever they gave.
   struct Columns {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
-    Eigen::MatrixXd effects;  ///< plain ones, four for each joint
+    Eigen::MatrixXd effects;  ///< plain ones, as many for each joint
   };
   Columns columnsOf(const Dataset& data) const;
   Eigen::MatrixXd declaredOf(const Dataset& data) const;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "core/model/effect.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 
 namespace patella::diagnose {
@@ -96,6 +97,20 @@ Json describeTiming(const DriveTiming& timing) {
           {"relative_error_after", timing.relative_error_after}};
 }
 
+Json describeRevealed(const Revealed& revealed) {
+  Json parameters = Json::object();
+  for (std::size_t p = 0; p < revealed.parameters.size(); ++p) {
+    parameters[std::string(model::findEffect(revealed.kind)->parameters[p].name)] = revealed.parameters[p];
+  }
+  return {{"effect", revealed.kind},
+          {"joint", revealed.joint + 1},
+          {"parameter", revealed.parameter},
+          {"smallest_size", revealed.smallest_size},
+          {"parameters", parameters},
+          {"torque_rms", revealed.torque_rms_Nm},
+          {"share_of_torque", revealed.share_of_torque}};
+}
+
 Json versions() {
   return {{"patella", PATELLA_VERSION},
           {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
@@ -125,14 +140,7 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
                              {"after", diagnosis.after.simulation_rms_rad},
                              {"unit", unitsOf(diagnosis).position}};
   out["excitation"] = describeExcitation(diagnosis.excitation);
-  out["revealed"] = list(diagnosis.revealed, [](const Revealed& revealed) -> Json {
-    return {{"effect", revealed.kind},
-            {"joint", revealed.joint + 1},
-            {"parameter", revealed.parameter},
-            {"smallest_size", revealed.smallest_size},
-            {"torque_rms", revealed.torque_rms_Nm},
-            {"share_of_torque", revealed.share_of_torque}};
-  });
+  out["revealed"] = list(diagnosis.revealed, describeRevealed);
   out["unexplained"] = list(diagnosis.unexplained, describeUnexplained);
   out["nominal_parameters"] = list(diagnosis.nominal, describeNominal);
   out["correlations"] = {{"parameters", diagnosis.correlations.parameters},

@@ -115,9 +115,12 @@ struct Excitation {
 /// one would have revealed.
 struct Revealed {
   std::string kind;
-  int joint = 0;                 ///< from 0
-  std::string parameter;         ///< with its unit, as in model files
-  double smallest_size = 0.0;    ///< of that parameter; NaN where the torque does not grow with one number
+  int joint = 0;               ///< from 0
+  std::string parameter;       ///< with its unit, as in model files
+  double smallest_size = 0.0;  ///< of that parameter; NaN where the torque does not grow with one number
+  /// All parameters of an effect of that size, in the order of its descriptor: sizes go with a shape, as the
+  /// mass of a payload does with its distance. Empty where there is no such size.
+  std::vector<double> parameters;
   double torque_rms_Nm = 0.0;    ///< infinite where no size would have shown
   double share_of_torque = 0.0;  ///< of its joint
 };

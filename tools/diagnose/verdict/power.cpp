@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -33,16 +34,21 @@ constexpr double kStep = 2.0;
 constexpr int kMostSteps = 6;
 constexpr int kHalvings = 3;
 
+/// The main parameter of an effect of some size, and with it all of its parameters.
+struct Strength {
+  double main = std::nan("");  ///< NaN where the torque does not grow with one number
+  std::vector<double> parameters{};
+};
+
 struct Size {
   double torque_Nm = kNever;
-  double parameter = std::nan("");
+  Strength strength{};
   const Atom* atom = nullptr;
   Detectable shape{};
 };
 
-// The effect's main parameter where its torque is as large; NaN where the torque does not grow with one
-// number.
-double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) {
+// What it takes for the effect's torque to be as large.
+Strength strengthAt(const Atom& atom, const Detectable& shape, double torque_Nm) {
   const Recipe& recipe = *atom.recipe;
   const auto& strengths = effectHome(recipe.kind).strengths;
   const double factor = torque_Nm / shape.unit_Nm;
@@ -52,7 +58,7 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   const auto& parameters = model::findEffect(recipe.kind)->parameters;
   if (!c.empty() && !strengths.empty()) {
     if (factor > recipe.largest) {
-      return kNever;
+      return {.main = kNever};
     }
     c.front() = factor;
     const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const auto& parameter) {
@@ -62,18 +68,20 @@ double parameterAt(const Atom& atom, const Detectable& shape, double torque_Nm) 
   } else if (c.empty() && recipe.proportional) {
     nu.front() = std::abs(nu.front()) * factor;
     if (nu.front() > recipe.nonlinear.front().upper) {
-      return kNever;
+      return {.main = kNever};
     }
   } else {
-    return std::nan("");
+    return {};
   }
-  const double value = std::abs(recipe.parameters(c, nu)[index]);
+  std::vector<double> all = recipe.parameters(c, nu);
+  const double value = std::abs(all[index]);
   if (value == 0.0) {
     // A variant of the kind that has another strength.
-    return std::nan("");
+    return {};
   }
   // Beyond what the effect may be, its parameters are clamped.
-  return value < parameters[index].maximum ? value : kNever;
+  return value < parameters[index].maximum ? Strength{.main = value, .parameters = std::move(all)}
+                                           : Strength{.main = kNever};
 }
 
 Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
@@ -83,10 +91,10 @@ Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, doub
   if (!std::isfinite(torque_Nm)) {
     return {};
   }
-  const double parameter = parameterAt(atom, shape, torque_Nm);
-  return std::isinf(parameter)
+  Strength strength = strengthAt(atom, shape, torque_Nm);
+  return std::isinf(strength.main)
              ? Size{}
-             : Size{.torque_Nm = torque_Nm, .parameter = parameter, .atom = &atom, .shape = shape};
+             : Size{.torque_Nm = torque_Nm, .strength = std::move(strength), .atom = &atom, .shape = shape};
 }
 
 // Not smaller than `least`, which takes noise for known.
@@ -108,8 +116,8 @@ Size rehearsed(const Size& least, const Rehearsal& rehearsal) {
   }
   Size size = least;
   size.torque_Nm *= above;
-  size.parameter = parameterAt(*least.atom, least.shape, size.torque_Nm);
-  return std::isinf(size.parameter) ? Size{} : size;
+  size.strength = strengthAt(*least.atom, least.shape, size.torque_Nm);
+  return std::isinf(size.strength.main) ? Size{} : size;
 }
 
 Size median(std::vector<Size> sizes) {
@@ -123,6 +131,14 @@ std::string mainParameter(std::string_view kind) {
   const auto& strengths = effectHome(kind).strengths;
   return std::string(strengths.empty() ? model::findEffect(kind)->parameters.front().name
                                        : strengths.front().front());
+}
+
+// A kind may have variants; the plain one comes first.
+std::vector<const Atom*> plainPoints(std::span<const Atom* const> points) {
+  std::vector<const Atom*> plain;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(plain),
+               [&](const Atom* point) { return point->recipe == points.front()->recipe; });
+  return plain;
 }
 
 bool isCommon(const Revealed& revealed) {
@@ -171,7 +187,7 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     const RestOfJoint& rest = rests[static_cast<std::size_t>(joint)];
     const double noise_Nm = jointRms(data, fit.residual, joint);
     std::vector<Size> sizes;
-    for (const Atom* point : someAtoms(points)) {
+    for (const Atom* point : someAtoms(plainPoints(points))) {
       sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm));
     }
     Size size = median(std::move(sizes));
@@ -182,7 +198,8 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     all.push_back({.kind = kind,
                    .joint = joint,
                    .parameter = mainParameter(kind),
-                   .smallest_size = size.parameter,
+                   .smallest_size = size.strength.main,
+                   .parameters = size.strength.parameters,
                    .torque_rms_Nm = size.torque_Nm,
                    .share_of_torque = size.torque_Nm / rest.torque_Nm});
   }

@@ -26,7 +26,7 @@ Chance chanceOf(const Diagnosis& diagnosis, const ModelFit& fit);
 
 /// One for every effect that was looked for, but for `known` ones ("coulomb_friction@1") that were found or
 /// are declared, and for those that declared ones give, whose change would tell them: the median over typical
-/// shapes, the ones a torque changes most first.
+/// shapes of the kind's plain variant, the ones a torque changes most first.
 std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  const Chance& chance);
