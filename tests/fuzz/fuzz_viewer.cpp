@@ -92,11 +92,16 @@ void poll(Stage& stage) {
 std::string answer(Stage& stage, const std::string& bytes) {
   boost::asio::io_context own;
   tcp::socket socket(own);
-  socket.connect({boost::asio::ip::address_v4::loopback(), stage.server.port()});
+  boost::system::error_code error;
+  do {  // the port that the system chose may be taken
+    error.clear();
+    socket.connect({boost::asio::ip::address_v4::loopback(), stage.server.port()}, error);
+  } while (error == boost::asio::error::address_in_use ||
+           error == boost::system::errc::address_not_available);
+  fuzz::require(!error, "the server can be reached");
   // No port waits for stragglers afterwards: there are thousands of connections a second.
   socket.set_option(boost::asio::socket_base::linger(true, 0));
   socket.non_blocking(true);
-  boost::system::error_code error;
   boost::asio::write(socket, boost::asio::buffer(bytes), error);
   poll(stage);
   std::string received(4096, '\0');
