@@ -60,6 +60,7 @@ class Client : public std::enable_shared_from_this<Client> {
   void tellStatus(Level level, const std::string& words);
   void queue(Outgoing&& outgoing);
   void write();
+  void cork(bool on) noexcept;
   void fail() noexcept;
 
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;

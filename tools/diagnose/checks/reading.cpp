@@ -36,28 +36,63 @@ Eigen::MatrixXd plainColumns(const Dataset& data) {
   return columns;
 }
 
-// Least squares within the ranges, by coordinate descent: few columns, any of which may be dependent.
-Eigen::VectorXd solveWithin(const Eigen::MatrixXd& columns, const Eigen::VectorXd& lower,
-                            const Eigen::VectorXd& upper, const Eigen::VectorXd& target, Eigen::VectorXd x) {
-  constexpr int kSweeps = 1000;
+// A quadratic form x'Gx/2 − r'x within ranges. G is symmetric, and any of its columns may be dependent.
+struct Bounded {
+  const Eigen::MatrixXd& gram;
+  const Eigen::VectorXd& right;
+  const Eigen::VectorXd& lower;
+  const Eigen::VectorXd& upper;
+};
+
+// One sweep of coordinate descent; returns the largest change, in the unit of the target's norm.
+double sweep(const Bounded& problem, Eigen::VectorXd& x) {
+  double moved = 0.0;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const double curvature = problem.gram(k, k);
+    if (curvature <= 0.0) {
+      continue;
+    }
+    const double best = std::clamp(x[k] + (problem.right[k] - problem.gram.col(k).dot(x)) / curvature,
+                                   problem.lower[k], problem.upper[k]);
+    moved = std::max(moved, std::abs(best - x[k]) * std::sqrt(curvature));
+    x[k] = best;
+  }
+  return moved;
+}
+
+// Goes towards the minimum over what is within its range, as far as the ranges allow. Sweeps alone take
+// hundreds of rounds where columns nearly depend on each other.
+void stepWithin(const Bounded& problem, Eigen::VectorXd& x) {
+  constexpr double kRidge = 1e-10;  // for columns that depend on each other
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    if (problem.gram(k, k) > 0.0 && x[k] > problem.lower[k] && x[k] < problem.upper[k]) {
+      free.push_back(k);
+    }
+  }
+  Eigen::MatrixXd gram = problem.gram(free, free);
+  gram.diagonal() *= 1.0 + kRidge;
+  const Eigen::VectorXd downhill = (problem.right - problem.gram * x)(free);
+  const Eigen::VectorXd step = gram.ldlt().solve(downhill);
+  double share = 1.0;
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const Eigen::Index k = free[static_cast<std::size_t>(i)];
+    const double room = (step[i] > 0.0 ? problem.upper[k] : problem.lower[k]) - x[k];
+    share = std::abs(step[i]) * share > std::abs(room) ? room / step[i] : share;
+  }
+  if (step.allFinite()) {
+    x(free) += share * step;
+  }
+}
+
+// Least squares within the ranges; `power` is the target's own square.
+Eigen::VectorXd solveWithin(const Bounded& problem, double power, Eigen::VectorXd x) {
+  constexpr int kRounds = 100;
   constexpr double kSettled = 1e-6;
-  const Eigen::MatrixXd gram = columns.transpose() * columns;
-  const Eigen::VectorXd right = columns.transpose() * target;
-  const double settled = kSettled * target.norm();
-  x = x.cwiseMax(lower).cwiseMin(upper);
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double moved = 0.0;
-    for (Eigen::Index k = 0; k < x.size(); ++k) {
-      if (gram(k, k) <= 0.0) {
-        continue;
-      }
-      const double best = std::clamp(x[k] + (right[k] - gram.row(k).dot(x)) / gram(k, k), lower[k], upper[k]);
-      moved = std::max(moved, std::abs(best - x[k]) * std::sqrt(gram(k, k)));
-      x[k] = best;
-    }
-    if (moved < settled) {
-      break;
-    }
+  const double settled = kSettled * std::sqrt(power);
+  x = x.cwiseMax(problem.lower).cwiseMin(problem.upper);
+  for (int round = 0; round < kRounds && sweep(problem, x) >= settled; ++round) {
+    stepWithin(problem, x);
   }
   return x;
 }
@@ -99,20 +134,28 @@ Reader::Columns Reader::columnsOf(const Dataset& data) const {
   return columns;
 }
 
-double Reader::loadOf(const Columns& columns, const Column& torque, int joint) const {
-  double load = std::max(1e-12, jointRms(data_, torque, joint));
-  for (Eigen::Index k = 0; k < columns.model.cols(); ++k) {
-    load = std::max(load, jointRms(data_, columns.model.col(k), joint));
+std::vector<Reader::Sums> Reader::sumsOf(const Columns& columns, const Column& torque) const {
+  const Eigen::Index rows = data_.rows(), own = columns.model.cols(), plain = columns.effects.cols();
+  std::vector<Sums> sums;
+  Eigen::MatrixXd all(rows, own + plain);
+  for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
+    all << columns.model.middleRows(joint * rows, rows), columns.effects.middleRows(joint * rows, rows);
+    const auto target = torque.segment(joint * rows, rows);
+    const double share = 1.0 / static_cast<double>(rows);
+    Sums of_joint{.gram = share * (all.transpose() * all),
+                  .right = share * (all.transpose() * target),
+                  .power = share * target.squaredNorm()};
+    of_joint.load = std::max(
+        1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
+    sums.push_back(std::move(of_joint));
   }
-  return load;
+  return sums;
 }
 
-std::vector<double> Reader::errorOf(const Columns& columns, const Column& torque, Freedom freedom) const {
-  const Eigen::Index rows = data_.rows(), own = columns.model.cols(), plain = columns.effects.cols();
+std::vector<double> Reader::errorOf(const std::vector<Sums>& sums, Freedom freedom) const {
+  const Eigen::Index all = sums.front().right.size(), plain = data_.joints() * kPlainKinds, own = all - plain;
   constexpr double kAny = std::numeric_limits<double>::infinity();
-  Eigen::MatrixXd all(columns.model.rows(), own + plain);
-  all << columns.model, columns.effects;
-  Eigen::VectorXd lower = Eigen::VectorXd::Zero(own + plain), upper = lower;
+  Eigen::VectorXd lower = Eigen::VectorXd::Zero(all), upper = lower;
   lower.head(own).setConstant(freedom == kRubbing ? 1.0 - kOwnRange : 1.0 / kOtherLeg);
   upper.head(own).setConstant(freedom == kRubbing ? 1.0 + kOwnRange : kOtherLeg);
   for (Eigen::Index k = 0; k < plain; ++k) {
@@ -122,46 +165,41 @@ std::vector<double> Reader::errorOf(const Columns& columns, const Column& torque
       upper[own + k] = kAny;
     }
   }
-  std::vector<double> load, weight;
-  for (int joint = 0; joint < data_.joints(); ++joint) {
-    load.push_back(loadOf(columns, torque, joint));
-    weight.push_back(1.0 / load.back());
+  std::vector<double> error, weight;
+  for (const Sums& of_joint : sums) {
+    weight.push_back(1.0 / (of_joint.load * of_joint.load));
   }
-  std::vector<double> error;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(own + plain);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(all);
   x.head(own).setOnes();
   // Each joint has a noise of its own size, which its rest tells.
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
-    Eigen::MatrixXd weighted = all;
-    Eigen::VectorXd target = torque;
-    for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
-      weighted.middleRows(joint * rows, rows) *= weight[static_cast<std::size_t>(joint)];
-      target.segment(joint * rows, rows) *= weight[static_cast<std::size_t>(joint)];
+    Sums weighted{.gram = Eigen::MatrixXd::Zero(all, all), .right = Eigen::VectorXd::Zero(all)};
+    for (std::size_t j = 0; j < sums.size(); ++j) {
+      weighted.gram += weight[j] * sums[j].gram;
+      weighted.right += weight[j] * sums[j].right;
+      weighted.power += weight[j] * sums[j].power;
     }
-    x = solveWithin(weighted, lower, upper, target, x);
-    const Eigen::VectorXd left = torque - all * x;
+    x = solveWithin({weighted.gram, weighted.right, lower, upper}, weighted.power, x);
     error.clear();
-    for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
-      const auto j = static_cast<std::size_t>(joint);
-      error.push_back(jointRms(data_, left, static_cast<int>(joint)) / load[j]);
-      weight[j] = 1.0 / (load[j] * std::hypot(error[j], kFloor));
+    for (std::size_t j = 0; j < sums.size(); ++j) {
+      const double left = sums[j].power - 2.0 * sums[j].right.dot(x) + x.dot(sums[j].gram * x);
+      error.push_back(std::sqrt(std::max(0.0, left)) / sums[j].load);
+      weight[j] = 1.0 / (std::pow(sums[j].load, 2) * (error[j] * error[j] + kFloor * kFloor));
     }
   }
   return error;
 }
 
 Reading Reader::readingOf(const Dataset& data, const Columns& columns, bool exchanged) const {
-  const Column torque = data.driveTorque();
-  Reading reading{.error = errorOf(columns, torque, kRubbing),
+  const std::vector<Sums> sums = sumsOf(columns, data.driveTorque());
+  Reading reading{.error = errorOf(sums, kRubbing),
                   .error_of_torque = {},
-                  .error_with_effects = errorOf(columns, torque, kAllEffects)};
+                  .error_with_effects = errorOf(sums, kAllEffects)};
   const std::vector<bool> rest = restOf(columns);
   for (std::size_t j = 0; j < reading.error.size(); ++j) {
-    const int joint = static_cast<int>(j);
-    const double left_Nm = reading.error[j] * loadOf(columns, torque, joint);
-    reading.error_of_torque.push_back(
-        std::min(1.0, left_Nm / std::max(1e-12, jointRms(data, torque, joint))));
+    const double left_Nm = reading.error[j] * sums[j].load;
+    reading.error_of_torque.push_back(std::min(1.0, left_Nm / std::max(1e-12, std::sqrt(sums[j].power))));
     if (rest[j] && at_rest_[exchanged ? rest.size() - 1 - j : j]) {
       reading.error[j] = reading.error_with_effects[j] = 0.0;
     }
@@ -193,6 +231,10 @@ bool Reader::moves() const {
     fastest = std::max(fastest, jointRms(data_, own_.effects.col(joint * kPlainKinds + kViscous), joint));
   }
   return fastest > motion::kLeastVelocity_rad_s;
+}
+
+double Reader::load_Nm(int joint) const {
+  return sumsOf(own_, data_.driveTorque())[static_cast<std::size_t>(joint)].load;
 }
 
 Reading Reader::asGiven() const {

@@ -36,7 +36,7 @@ class Reader {
   bool moves() const;
   Reading asGiven() const;
   /// rms of what a joint's errors are shares of, N·m.
-  double load_Nm(int joint) const { return loadOf(own_, data_.driveTorque(), joint); }
+  double load_Nm(int joint) const;
   Reading read(const Convention& convention) const;
 
  private:
@@ -46,13 +46,20 @@ class Reader {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
     Eigen::MatrixXd effects;  ///< plain ones, as many for each joint
   };
+  /// Of one joint's rows, in the mean: all that least squares need.
+  struct Sums {
+    Eigen::MatrixXd gram;   ///< columns with columns, those of the model before the effects'
+    Eigen::VectorXd right;  ///< columns with the torque
+    double power = 0.0;     ///< the torque squared, (N·m)²
+    double load = 0.0;      ///< rms of the torque or of the model's largest term, N·m
+  };
   Columns columnsOf(const Dataset& data) const;
   Eigen::MatrixXd declaredOf(const Dataset& data) const;
   /// `exchanged`: each joint's position is read in the column of the other.
   Reading readingOf(const Dataset& data, const Columns& columns, bool exchanged) const;
   std::vector<bool> restOf(const Columns& columns) const;
-  double loadOf(const Columns& columns, const Column& torque, int joint) const;
-  std::vector<double> errorOf(const Columns& columns, const Column& torque, Freedom freedom) const;
+  std::vector<Sums> sumsOf(const Columns& columns, const Column& torque) const;
+  std::vector<double> errorOf(const std::vector<Sums>& sums, Freedom freedom) const;
 
   Dataset data_;
   model::ModelDescription model_;
