@@ -25,10 +25,24 @@ class Biquad {
   explicit Biquad(const BiquadCoefficients& coefficients) noexcept : c_(coefficients) {}
 
   double step(double x) noexcept PATELLA_NONBLOCKING {
-    const double y = c_.b0 * x + s1_;
-    s1_ = flush(c_.b1 * x - c_.a1 * y + s2_);
-    s2_ = flush(c_.b2 * x - c_.a2 * y);
+    const double y = advance(x);
+    flush();
     return y;
+  }
+
+  /// step() without flush(), for signals that are at hand as a whole.
+  double advance(double x) noexcept PATELLA_NONBLOCKING {
+    const double y = c_.b0 * x + s1_;
+    s1_ = c_.b1 * x - c_.a1 * y + s2_;
+    s2_ = c_.b2 * x - c_.a2 * y;
+    return y;
+  }
+
+  /// A filter that fades into silence would end in denormal numbers, which cost a hundred times a normal
+  /// multiplication; no signal lives 2000 dB below one.
+  void flush() noexcept PATELLA_NONBLOCKING {
+    s1_ = std::abs(s1_) < 1e-100 ? 0.0 : s1_;
+    s2_ = std::abs(s2_) < 1e-100 ? 0.0 : s2_;
   }
 
   /// State that a constant input would have reached; returns the output that belongs to it.
@@ -42,10 +56,6 @@ class Biquad {
   const BiquadCoefficients& coefficients() const noexcept { return c_; }
 
  private:
-  /// A filter that fades into silence would end in denormal numbers, which cost a hundred times a normal
-  /// multiplication; no signal lives 2000 dB below one.
-  static double flush(double state) noexcept { return std::abs(state) < 1e-100 ? 0.0 : state; }
-
   BiquadCoefficients c_;
   double s1_ = 0.0;
   double s2_ = 0.0;

@@ -9,10 +9,22 @@
 namespace patella::offline {
 namespace {
 
-void filterOnce(Samples& signal, signal::BiquadCascade filter) {
-  filter.reset(signal.front());
-  for (double& value : signal) {
-    value = filter.step(value);
+// Two sections at once: the second works on a sample while the first works on the next one.
+void filterOnce(Samples& signal, const signal::BiquadCascade& filter) {
+  constexpr std::size_t kFlushed = 64;  // samples between two looks for numbers that are too small
+  const auto sections = filter.sections();
+  for (std::size_t k = 0; k < sections.size(); k += 2) {
+    signal::Biquad first = sections[k];
+    signal::Biquad second = k + 1 < sections.size() ? sections[k + 1] : signal::Biquad();
+    second.reset(first.reset(signal.front()));
+    for (std::size_t begin = 0; begin < signal.size(); begin += kFlushed) {
+      const std::size_t end = std::min(begin + kFlushed, signal.size());
+      for (std::size_t i = begin; i < end; ++i) {
+        signal[i] = second.advance(first.advance(signal[i]));
+      }
+      first.flush();
+      second.flush();
+    }
   }
 }
 

@@ -358,11 +358,21 @@ Column Dataset::askedEffectTorque(model::Effect& effect) const {
 }
 
 Eigen::MatrixXd Dataset::regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const {
-  Eigen::MatrixXd columns(rows() * joints(), mechanism.baseParameterCount());
-  for (int k = 0; k < mechanism.baseParameterCount(); ++k) {
+  const Eigen::Index parameters = mechanism.baseParameterCount();
+  std::vector<Eigen::MatrixXd> all;  // of each series: of each state, one parameter after the other
+  for (const Series& series : series_) {
+    all.emplace_back(joints_, parameters * static_cast<Eigen::Index>(series.states.size()));
+    for (std::size_t i = 0; i < series.states.size(); ++i) {
+      const model::EffectInput& state = series.states[i];
+      all.back().middleCols(parameters * static_cast<Eigen::Index>(i), parameters) =
+          mechanism.regressor(state.q + offset_rad, state.dq, series.acceleration[i]);
+    }
+  }
+  Eigen::MatrixXd columns(rows() * joints(), parameters);
+  for (Eigen::Index k = 0; k < parameters; ++k) {
     columns.col(k) = column({}, [&](const Series& series, std::size_t i) -> JointVector {
-      return mechanism.regressor(series.states[i].q + offset_rad, series.states[i].dq, series.acceleration[i])
-          .col(k);
+      const auto number = static_cast<std::size_t>(&series - series_.data());
+      return all[number].col(parameters * static_cast<Eigen::Index>(i) + k);
     });
   }
   return columns;

@@ -26,7 +26,7 @@ struct DatasetOptions {
 
 /// Slow enough for noise and vibration to count little, fast enough for inertia to show: for what is judged
 /// before anything is fitted.
-inline constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 200.0, .band_Hz = 6.0};
+inline constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 100.0, .band_Hz = 6.0};
 
 /// The motion's own band: two and a half times the frequency below which 99 % of the power of every joint's
 /// velocity lies, within 6 to 14 Hz. What lies far above it is vibration of the structure, which no rigid
