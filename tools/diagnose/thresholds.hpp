@@ -52,6 +52,9 @@ inline constexpr double kSensors = 0.003;
 /// Multiple of what the best convention leaves: another one that leaves no more is as good, and both are
 /// named.
 inline constexpr double kAsGood = 1.25;
+/// Multiple of the inertia that a joint moves up to which a motor's is a plain effect: gears are chosen so
+/// that the two are about alike, and what is more would explain a torque in another unit.
+inline constexpr double kMostMotor = 5.0;
 /// Gears of drives for joints end here.
 inline constexpr double kLargestGear = 250.0;
 /// An encoder's offset is less: it is an effect.

@@ -137,3 +137,17 @@ TEST_CASE("a smallest size goes with a shape, that of the kind's plain variant")
   CHECK(friction.parameters[0] == friction.smallest_size);
   CHECK(friction.parameters[1] == kSmoothing_rad_s);
 }
+
+TEST_CASE("a size is told with its unit, a load with its lever") {
+  Revealed revealed{.kind = "payload",
+                    .joint = 1,
+                    .parameter = "mass_kg",
+                    .smallest_size = 2.19,
+                    .parameters = {2.19, 0.3},
+                    .torque_rms_Nm = 1.0};
+  CHECK(sizeWords(revealed, {}) == "2.2 kg at 0.3 m");
+  revealed.smallest_size = std::nan("");
+  CHECK(sizeWords(revealed, {}) == "1 N·m rms");
+  revealed.torque_rms_Nm = std::numeric_limits<double>::infinity();
+  CHECK(sizeWords(revealed, {}) == "never");
+}

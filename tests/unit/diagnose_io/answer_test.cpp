@@ -34,13 +34,13 @@ TEST_CASE("an answer has the verdict, parameters, rivals, errors and the way to 
   }
 }
 
-TEST_CASE("an answer has fourteen lines at most") {
+TEST_CASE("an answer has fifteen lines at most") {
   diagnose::Diagnosis many = test::madeUpDiagnosis();
   many.effects.resize(9, many.effects.front());
   many.warnings.resize(20, "something");
   many.runaways.resize(9, many.runaways.front());
   const std::string text = answer(many);
-  CHECK(std::count(text.begin(), text.end(), '\n') == 14);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 15);
   CHECK(text.find("and 5 more\n") != std::string::npos);
   CHECK(text.find("; and 5 more in the report\n") != std::string::npos);
   CHECK(text.find("and 19 more in the report") != std::string::npos);

@@ -44,6 +44,13 @@ TEST_CASE("an effect has its parameters by name, and counts joints from 1") {
   CHECK(effect["separating_motion"] == "slow reversals of less than 0.05 rad");
 }
 
+TEST_CASE("a smallest size has the whole effect that it belongs to") {
+  const json out = written();
+  REQUIRE(out["revealed"].size() == 1);
+  CHECK(out["revealed"][0]["smallest_size"] == 0.8);
+  CHECK(out["revealed"][0]["parameters"] == json{{"mass_kg", 0.8}, {"distance_m", 0.3}});
+}
+
 TEST_CASE("errors before and after, with their unit; what is no number is null") {
   const json out = written();
   CHECK(out["error"]["before"]["train_rms"] == json{0.21, 2.31});

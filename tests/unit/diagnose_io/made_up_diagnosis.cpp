@@ -172,6 +172,13 @@ Diagnosis madeUpDiagnosis() {
                   .velocity_rms_rad_s = {0.8, 0.85},
                   .identifiable = {"coulomb_friction@2", "linear_stiffness@2"},
                   .not_identifiable = {"torque_gain@1"}};
+  d.revealed = {{.kind = "payload",
+                 .joint = 1,
+                 .parameter = "mass_kg",
+                 .smallest_size = 0.8,
+                 .parameters = {0.8, 0.3},
+                 .torque_rms_Nm = 0.4,
+                 .share_of_torque = 0.1}};
   d.unexplained = {{.joint = 0, .variable = "ddq1*q1", .explained_Nm = 0.02, .p_value = 0.02}};
   d.nominal = {{.name = "mass_kg.1", .nominal = 7.2, .refitted = 7.31, .sd = 0.08}};
   d.correlations = {

@@ -97,6 +97,22 @@ Eigen::VectorXd solveWithin(const Bounded& problem, double power, Eigen::VectorX
   return x;
 }
 
+// Of what each joint moves, over the motion, kg·m².
+std::vector<double> largestInertia(const Dataset& data, const model::ModelDescription& model) {
+  const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
+  std::vector<double> largest(static_cast<std::size_t>(data.joints()), 0.0);
+  for (const Series& series : data.series()) {
+    for (const model::EffectInput& state : series.states) {
+      const JointMatrix inertia = bare.mechanism().inertia(state.q);
+      for (std::size_t j = 0; j < largest.size(); ++j) {
+        const auto joint = static_cast<Eigen::Index>(j);
+        largest[j] = std::max(largest[j], inertia(joint, joint));
+      }
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 double misfit(const std::vector<double>& error, double floor) {
@@ -108,7 +124,11 @@ double misfit(const std::vector<double>& error, double floor) {
 }
 
 Reader::Reader(Dataset data, const model::ModelDescription& model)
-    : data_(std::move(data)), model_(model), own_(columnsOf(data_)), at_rest_(restOf(own_)) {}
+    : data_(std::move(data)),
+      model_(model),
+      own_(columnsOf(data_)),
+      at_rest_(restOf(own_)),
+      largest_inertia_(largestInertia(data_, model_)) {}
 
 Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
   const model::DynamicsModel bare = model::makeModel({.mechanism = model_.mechanism, .effects = {}});
@@ -160,7 +180,10 @@ std::vector<double> Reader::errorOf(const std::vector<Sums>& sums, Freedom freed
   upper.head(own).setConstant(freedom == kRubbing ? 1.0 + kOwnRange : kOtherLeg);
   for (Eigen::Index k = 0; k < plain; ++k) {
     const Eigen::Index kind = k % kPlainKinds;
-    if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb) {
+    if (kind == kRotor) {
+      const double own_inertia = largest_inertia_[static_cast<std::size_t>(k / kPlainKinds)];
+      upper[own + k] = freedom == kAllEffects ? kMostMotor * own_inertia : 0.0;
+    } else if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb) {
       lower[own + k] = kind == kBias ? -kAny : 0.0;
       upper[own + k] = kAny;
     }

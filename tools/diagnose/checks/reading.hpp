@@ -65,6 +65,7 @@ class Reader {
   model::ModelDescription model_;
   Columns own_;
   std::vector<bool> at_rest_;
+  std::vector<double> largest_inertia_;
 };
 
 }  // namespace patella::diagnose

@@ -7,6 +7,7 @@
 
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/power.hpp"
 #include "tools/report/palette.hpp"
 
 namespace patella::diagnose {
@@ -42,15 +43,8 @@ Figure powerFigure(const Diagnosis& diagnosis, int joint) {
                            .from = 0.0,
                            .to = percent,
                            .colour = revealed.share_of_torque > unknown::kMaterialRest ? kWeak : kShows});
-    const ParameterName parameter = splitName(revealed.parameter, unitsOf(diagnosis));
     figure.row_notes.push_back(
-        {.row = row,
-         .at = percent,
-         .text = std::isfinite(revealed.smallest_size)
-                     ? fmt::format("{:.2g} {}", revealed.smallest_size, parameter.unit)
-                 : std::isfinite(revealed.torque_rms_Nm)
-                     ? fmt::format("{:.2g} {} rms", revealed.torque_rms_Nm, unitsOf(diagnosis).torque)
-                     : "never"});
+        {.row = row, .at = percent, .text = sizeWords(revealed, unitsOf(diagnosis))});
   }
   const double start = std::pow(10.0, std::floor(std::log10(std::max(lowest, 1e-3))));
   for (auto& bar : figure.bars) {

@@ -35,6 +35,7 @@ struct DiagnoseOptions {
             .family_wise_p = family_wise_p,
             .seed = seed,
             .gates = gates,
+            .noise_Nm = {},
             .progress = {}};
   }
   /// Seed of what estimates how well parameters are known.

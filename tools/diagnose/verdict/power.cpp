@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/model/effect.hpp"
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
@@ -210,6 +211,24 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
   return all;
 }
 
+std::string sizeWords(const Revealed& revealed, const Units& units) {
+  if (!std::isfinite(revealed.smallest_size)) {
+    return std::isfinite(revealed.torque_rms_Nm)
+               ? fmt::format("{:.2g} {} rms", revealed.torque_rms_Nm, units.torque)
+               : "never";
+  }
+  std::string words =
+      fmt::format("{:.2g} {}", revealed.smallest_size, splitName(revealed.parameter, units).unit);
+  // A load says little without its lever.
+  const model::EffectDescriptor* descriptor = model::findEffect(revealed.kind);
+  for (std::size_t p = 0; descriptor != nullptr && p < revealed.parameters.size(); ++p) {
+    if (descriptor->parameters[p].name == "distance_m") {
+      words += fmt::format(" at {:.2g} m", revealed.parameters[p]);
+    }
+  }
+  return words;
+}
+
 std::string revealedWords(const Diagnosis& diagnosis) {
   const Units units = unitsOf(diagnosis);
   std::string words;
@@ -218,14 +237,9 @@ std::string revealedWords(const Diagnosis& diagnosis) {
     if (told == kTold || !isCommon(revealed)) {
       break;
     }
-    const std::string what = effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1));
-    const ParameterName name = splitName(revealed.parameter, units);
-    words += told == 0 ? "" : ", ";
-    words += std::isfinite(revealed.smallest_size)
-                 ? fmt::format("{} from {:.2g} {}", what, revealed.smallest_size, name.unit)
-             : std::isfinite(revealed.torque_rms_Nm)
-                 ? fmt::format("{} from {:.2g} {} rms", what, revealed.torque_rms_Nm, units.torque)
-                 : what + " never";
+    words += fmt::format("{}{}{} {}", told == 0 ? "" : ", ",
+                         effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1)),
+                         std::isfinite(revealed.torque_rms_Nm) ? " from" : "", sizeWords(revealed, units));
     ++told;
   }
   return words;

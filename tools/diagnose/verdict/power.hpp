@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/verdict/detector.hpp"
 
 namespace patella::diagnose {
@@ -30,6 +31,9 @@ Chance chanceOf(const Diagnosis& diagnosis, const ModelFit& fit);
 std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const Atoms& atoms,
                                  std::span<const RestOfJoint> rests, const std::set<std::string>& known,
                                  const Chance& chance);
+
+/// "0.05 N·m", "2 kg at 0.3 m", "1.2 N·m rms" where the torque does not grow with one number, or "never".
+std::string sizeWords(const Revealed& revealed, const Units& units);
 
 /// "… no coulomb friction of more than 0.05 N·m on joint 1, …": the plain effects whose smallest torque is
 /// largest against their joint's; empty where nothing is known.
