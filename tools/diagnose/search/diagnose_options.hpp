@@ -35,7 +35,6 @@ struct DiagnoseOptions {
             .family_wise_p = family_wise_p,
             .seed = seed,
             .gates = gates,
-            .noise_Nm = {},
             .progress = {}};
   }
   /// Seed of what estimates how well parameters are known.

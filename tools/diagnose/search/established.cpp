@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/thresholds.hpp"
@@ -52,11 +53,11 @@ std::optional<std::size_t> notEstablished(const Dataset& data, const Selection& 
 
 }  // namespace
 
-std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection,
-                                                  const CovarianceOptions& options) {
+std::vector<std::string> dropWhatIsNotEstablished(ModelFitter& fitter, Selection& selection, int replicates,
+                                                  std::uint64_t seed) {
   std::vector<std::string> dropped;
   while (const auto term = notEstablished(fitter.data(), selection,
-                                          widerCovariance(fitter.data(), selection.fit, options))) {
+                                          widerCovariance(fitter.data(), selection.fit, replicates, seed))) {
     dropped.push_back(selection.fit.terms[*term].recipe->label());
     selection = withoutTerm(fitter, selection, *term);
   }

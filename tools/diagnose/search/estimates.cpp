@@ -7,10 +7,8 @@
 
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/recipe_names.hpp"
-#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/search.hpp"
-#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -37,37 +35,13 @@ std::set<std::string> atBound(const Term& term) {
   return names;
 }
 
-// Variances by what is left beyond noise. It is as long as the motion, so that a recording is few independent
-// looks at it (asserted::kLooks), and the fit has no more of it than chance gives a direction.
-Eigen::VectorXd variancesByStructure(const Dataset& data, const ModelFit& fit,
-                                     std::span<const double> noise_Nm) {
-  const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
-  Eigen::MatrixXd normal = slope.transpose() * slope;
-  normal.diagonal() += fit.prior_weight.cwiseAbs2();
-  const Eigen::MatrixXd inverse = normal.completeOrthogonalDecomposition().pseudoInverse();
-  // How each parameter goes with the torque.
-  const Eigen::MatrixXd by_torque = fit.weighting->transposed(slope * inverse);
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(fit.tangent.cols());
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const double left_Nm = jointRms(data, fit.residual, joint);
-    const double noise = noise_Nm[static_cast<std::size_t>(joint)];
-    const double structure_Nm2 = std::max(0.0, left_Nm * left_Nm - noise * noise);
-    const double rows_a_look = static_cast<double>(data.rows()) / asserted::kLooks;
-    variance += structure_Nm2 * rows_a_look *
-                by_torque.middleRows(joint * data.rows(), data.rows()).colwise().squaredNorm().transpose();
-  }
-  return variance;
-}
-
 }  // namespace
 
-Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, const CovarianceOptions& options) {
-  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, options.replicates, options.seed);
-  Eigen::ArrayXd wider = jackknifeCovariance(fit).diagonal();
-  if (!options.noise_Nm.empty()) {
-    wider = wider.max(variancesByStructure(data, fit, options.noise_Nm).array());
-  }
-  const Eigen::VectorXd factor = (wider / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
+Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates,
+                                std::uint64_t seed) {
+  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, replicates, seed);
+  const Eigen::VectorXd left_out = jackknifeCovariance(fit).diagonal();
+  const Eigen::VectorXd factor = (left_out.array() / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
   return factor.asDiagonal() * drawn * factor.asDiagonal();
 }
 

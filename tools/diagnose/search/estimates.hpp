@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,17 +14,9 @@ namespace patella::diagnose {
 /// Standard deviations from the middle of a 95 % interval to its ends.
 inline constexpr double kDeviations95 = 1.959964;
 
-struct CovarianceOptions {
-  int replicates = 499;
-  std::uint64_t seed = 1;
-  /// rms of what sensors and declared pushes make of each joint, N·m. What a fit leaves beyond has a shape of
-  /// its own. Empty where all that is left counts as noise.
-  std::span<const double> noise_Nm{};
-};
-
-/// Covariance of a fit's parameters: the largest of what the noise makes of them, what leaving out parts of
-/// the recording does, and what the parameters may have taken up of the shape that nothing explains.
-Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, const CovarianceOptions& options);
+/// Covariance of a fit's parameters: the larger of what the noise makes of them and what leaving out parts of
+/// the recording does.
+Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed);
 
 /// The covariance with what a rugged objective hides: curvature says nothing of which of its neighbouring
 /// valleys is the lowest by chance.

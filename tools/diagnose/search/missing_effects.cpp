@@ -73,7 +73,6 @@ class Finder {
     search.atoms = recipeAtoms(*search.fitter, considered);
     options_.report("search", 0.0);
     SelectionOptions selection = options_.selection();
-    selection.noise_Nm.assign(noise_Nm_.begin(), noise_Nm_.end());
     selection.progress = [this](double fraction) { options_.report("search", fraction); };
     search.selection = select(*search.fitter, search.atoms, search.nominal, selection);
     return search;
@@ -142,10 +141,8 @@ class Finder {
                             " explained a part of the recording, but not the held-out part: not added");
       }
     }
-    for (const std::string& label : dropWhatIsNotEstablished(*found.fitter, found.selection,
-                                                             {.replicates = options_.bootstrap_replicates,
-                                                              .seed = options_.covarianceSeed(),
-                                                              .noise_Nm = noise_Nm_})) {
+    for (const std::string& label : dropWhatIsNotEstablished(
+             *found.fitter, found.selection, options_.bootstrap_replicates, options_.covarianceSeed())) {
       warnings_.push_back(label +
                           " explained a part of the recording, but its parameters are not known: not added");
     }

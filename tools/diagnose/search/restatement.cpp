@@ -188,10 +188,7 @@ class Restatement {
       }
       const Eigen::Index at = selection_.fit.offset[t];
       const Eigen::Matrix2d covariance =
-          widerCovariance(fitter_.data(), selection_.fit,
-                          {.replicates = options_.replicates,
-                           .seed = options_.seed,
-                           .noise_Nm = options_.noise_Nm})
+          widerCovariance(fitter_.data(), selection_.fit, options_.replicates, options_.seed)
               .block<2, 2>(at, at);
       const double variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
       if (std::pow(term.c[0] - term.c[1], 2) > simpler::kTwoLevels * simpler::kTwoLevels * variance) {

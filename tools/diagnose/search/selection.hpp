@@ -21,7 +21,6 @@ struct SelectionOptions {
   std::uint64_t seed = 1;
   int most_effects = 5;
   Gates gates;
-  std::vector<double> noise_Nm{};  ///< rms of what sensors and declared pushes make of each joint; or empty
   std::function<void(double fraction)> progress;
 };
 

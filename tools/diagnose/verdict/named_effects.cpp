@@ -96,10 +96,7 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   diagnosis.steps = selection.steps;
   diagnosis.unexplained = dependences;
   const Eigen::MatrixXd covariance =
-      widerCovariance(data, selection.fit,
-                      {.replicates = options.bootstrap_replicates,
-                       .seed = options.covarianceSeed(),
-                       .noise_Nm = noise_Nm});
+      widerCovariance(data, selection.fit, options.bootstrap_replicates, options.covarianceSeed());
   const std::vector<FreeFunction> free = freeFunctions(data, selection);
   addSelected(found, covariance, free, data.joints(), diagnosis.effects);
   for (const LateDrive& late : found.late) {
