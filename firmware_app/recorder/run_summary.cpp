@@ -100,6 +100,13 @@ std::vector<std::string> changedFiles(const std::vector<InputFile>& files) {
 
 namespace {
 
+Json busCounters(const can::BusStatistics& bus) {
+  return {{"frames_received", bus.frames_received}, {"frames_sent", bus.frames_sent},
+          {"receive_dropped", bus.receive_dropped}, {"send_failed", bus.send_failed},
+          {"error_frames", bus.error_frames},       {"bus_off", bus.bus_off},
+          {"error_passive", bus.error_passive}};
+}
+
 Json messages(const can::MeasurementDecoder& decoder) {
   Json out;
   for (std::size_t i = 0; i < decoder.messageCount(); ++i) {
@@ -236,7 +243,7 @@ std::string networkText(const Json& s) {
 }  // namespace
 
 Json summarise(const RunConfig& config, const std::vector<InputFile>& files, const LoopStatistics& loop,
-               const can::BusStatistics& bus, const can::MeasurementDecoder& decoder,
+               const can::Bus& bus, const can::MeasurementDecoder& decoder,
                const Recorder& recorder, const RealtimeReport* realtime) {
   const int joints = config.model.joints();
   Json out;
@@ -273,11 +280,14 @@ Json summarise(const RunConfig& config, const std::vector<InputFile>& files, con
     thread["voluntary_context_switches"] = loop.voluntary_switches;
     thread["involuntary_context_switches"] = loop.involuntary_switches;
   }
-  out["bus"] = {{"frames_received", bus.frames_received}, {"frames_sent", bus.frames_sent},
-                {"receive_dropped", bus.receive_dropped}, {"send_failed", bus.send_failed},
-                {"error_frames", bus.error_frames},       {"bus_off", bus.bus_off},
-                {"error_passive", bus.error_passive},     {"unknown_frames", decoder.unknownFrames()},
-                {"messages", messages(decoder)}};
+  out["bus"] = busCounters(bus.statistics());
+  out["bus"]["unknown_frames"] = decoder.unknownFrames();
+  out["bus"]["messages"] = messages(decoder);
+  for (std::size_t i = 0; config.buses.size() > 1 && i < config.buses.size(); ++i) {
+    Json& one = out["buses"][config.buses[i].name];
+    one = {{"interface", config.buses[i].interface}, {"fault_ticks", loop.bus_fault_ticks[i]}};
+    one.update(busCounters(bus.statisticsOf(i)));
+  }
   out["safety"] = safety(config, loop);
   if (const std::vector<std::string> changed = changedFiles(files); !changed.empty()) {
     out["safety"]["warnings"][std::string(warningName(safety::Warning::kFileChanged))]["files"] = changed;
@@ -345,6 +355,14 @@ std::string summaryText(const Json& s) {
   text += fmt::format("  frames: {} received, {} sent, {} lost, {} late, {} corrupt\n",
                       s["bus"]["frames_received"].get<std::uint64_t>(),
                       s["bus"]["frames_sent"].get<std::uint64_t>(), lost, late, corrupt);
+  if (s.contains("buses")) {
+    for (const auto& [name, bus] : s["buses"].items()) {
+      text += fmt::format("    bus {} on {}: {} received, {} sent, {} not sent, {} ticks with a fault\n", name,
+                          bus["interface"].get<std::string>(), bus["frames_received"].get<std::uint64_t>(),
+                          bus["frames_sent"].get<std::uint64_t>(), bus["send_failed"].get<std::uint64_t>(),
+                          bus["fault_ticks"].get<std::uint64_t>());
+    }
+  }
   const Json& safe = s["safety"];
   text += fmt::format("  final state {}, stops {}, largest torque {:.2f} N·m\n",
                       safe["final_state"].get<std::string>(), safe["stops"].get<std::uint64_t>(),
