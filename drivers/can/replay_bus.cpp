@@ -1,7 +1,9 @@
 #include "drivers/can/replay_bus.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/stamp_order.hpp"
@@ -47,7 +49,7 @@ std::uint8_t busOf(const std::string& interface, const std::vector<std::string>&
                  known);
 }
 
-enum class Role : std::uint8_t { kReceived, kSent, kClosing };
+enum class Role : std::uint8_t { kReceived, kSent, kCommand, kClosing };
 
 Role roleOf(const Frame& frame, const ReplayOptions& options) {
   if (frame.error || frame.remote)
@@ -59,9 +61,34 @@ Role roleOf(const Frame& frame, const ReplayOptions& options) {
       options.command_bus == frame.bus)
     return Role::kClosing;
   const auto known = [&frame](const Frame& sent) { return sameIdentifier(frame, sent); };
-  return std::any_of(options.also_sent.begin(), options.also_sent.end(), known) ? Role::kSent
+  return std::any_of(options.also_sent.begin(), options.also_sent.end(), known) ? Role::kCommand
                                                                                 : Role::kReceived;
 }
+
+// Where a tick ended whose last command was lost, as that of a bus that is down: before the first frame that
+// came after another drive's command. It shows once a tick begins anew with such a command.
+class LostEnds {
+ public:
+  struct End {
+    std::size_t command = 0, frames = 0;
+  };
+  /// Commands and frames so far, before this one. Returns the end that shows.
+  std::optional<End> follow(Role role, std::size_t commands, std::size_t frames) {
+    std::optional<End> shown;
+    if (role == Role::kReceived && open_ && !end_)
+      end_ = End{commands - 1, frames};
+    if (role == Role::kCommand)
+      shown = std::exchange(end_, std::nullopt);
+    if (role == Role::kClosing)
+      end_.reset();
+    open_ = role == Role::kCommand || (open_ && role != Role::kClosing);
+    return shown;
+  }
+
+ private:
+  bool open_ = false;  ///< there was a command since a tick's last one
+  std::optional<End> end_;
+};
 
 }  // namespace
 
@@ -70,11 +97,16 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
   LogEntry entry;
   StampOrder stamps;
   Role last = Role::kReceived;
+  LostEnds lost;
   while (reader.next(entry)) {
     entry.frame.bus = busOf(entry.interface, options.interfaces,
                             file.string() + ":" + std::to_string(reader.line()));
     last = roleOf(entry.frame, options);
     stamps.follow(reader.line(), entry.frame.wall_ns);
+    if (const auto end = lost.follow(last, commands_.size(), frames_.size())) {
+      closing_.push_back(end->command);
+      tick_end_.push_back(end->frames);
+    }
     if (last == Role::kClosing) {
       closing_.push_back(commands_.size());
       tick_end_.push_back(frames_.size());

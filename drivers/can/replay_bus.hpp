@@ -33,7 +33,8 @@ struct ReplayOptions {
 
 /// Plays what `candump -l` recorded.
 ///
-/// In a log of the loop's own, each torque command, of several the last, closes a tick: a tick is given the
+/// In a log of the loop's own, each torque command, of several the last, closes a tick, or where that one was
+/// lost, another: a tick is given the
 /// frames between two commands in their order, however the clocks ran then or run now, so that replaying
 /// repeats the recorded computation exactly. Commands are not delivered; what is sent is compared with them,
 /// the n-th with the n-th. Frames are stamped with the tick's time on the loop clock.

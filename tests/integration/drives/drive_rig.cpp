@@ -76,19 +76,24 @@ void writeMixedDbc(const std::filesystem::path& path) {
 }  // namespace
 
 app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder) {
-  std::string text = app::readFile(kConfig / "adult.toml");
-  replace(text, "\nweights = ", "\n# ");  // a network is not the subject
+  const bool two_buses = drives == Drives::kTwoBuses;
+  std::string text = app::readFile(kConfig / (two_buses ? "two_buses.toml" : "adult.toml"));
+  if (!two_buses) {
+    replace(text, "\nweights = ", "\n# ");  // a network is not the subject
+  }
   replace(text, "\"models/", "\"" + (kConfig / "models/").string());
   const std::filesystem::path map = folder.path() / "map.toml";
   const std::filesystem::path mit_dbc = kConfig / "can/mit_mode.dbc";
   const std::filesystem::path odrive_dbc = kConfig / "can/odrive_cansimple.dbc";
   std::string mit = app::readFile(kConfig / "can/mit_mode.toml");
   std::string odrive = app::readFile(kConfig / "can/odrive_cansimple.toml");
-  std::string nodes = app::readFile(kConfig / "can/cia402.toml");
+  std::string nodes = app::readFile(kConfig / (two_buses ? "can/two_buses.toml" : "can/cia402.toml"));
   replace(nodes, "\"cia402.", "\"" + (kConfig / "can/cia402.").string());
   replace(odrive, "\"odrive_cansimple.dbc\"", "\"" + odrive_dbc.string() + "\"");
   if (drives == Drives::kBuiltIn) {
     replace(text, "\"can/patella.toml\"", "\"" + (kConfig / "can/patella.toml").string() + "\"");
+  } else if (two_buses) {
+    replace(text, "\"can/two_buses.toml\"", "\"" + map.string() + "\"");
   } else {
     replace(text, "\"can/patella.toml\"", "\"" + map.string() + "\"");
     const bool first_mit = drives != Drives::kOdrive;
@@ -105,7 +110,7 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
     replace(mit, "\"mit_mode.dbc\"", "\"" + mit_dbc.string() + "\"");
   }
   app::writeFile(map, drives == Drives::kOdrive   ? odrive
-                      : drives == Drives::kCia402 ? nodes
+                      : drives == Drives::kCia402 || two_buses ? nodes
                                                   : mit + mitRanges());
   const std::filesystem::path path = folder.path() / "run.toml";
   app::writeFile(path, text);

@@ -74,6 +74,7 @@ std::vector<can::Frame> lastFrames(Drives drives, int signal) {
 struct Expected {
   std::uint32_t id;
   std::vector<std::uint8_t> data;
+  std::uint8_t bus = 0;
 };
 
 void checkRounds(const std::vector<can::Frame>& frames, const std::vector<Expected>& round) {
@@ -82,6 +83,7 @@ void checkRounds(const std::vector<can::Frame>& frames, const std::vector<Expect
     const Expected& expected = round[i % round.size()];
     CAPTURE(i);
     CHECK(frames[i].id == expected.id);
+    CHECK(frames[i].bus == expected.bus);
     REQUIRE(frames[i].length == expected.data.size());
     CHECK(std::equal(expected.data.begin(), expected.data.end(), frames[i].data.begin()));
   }
@@ -101,6 +103,8 @@ TEST_CASE("whoever dies of a fault of its own sends every drive zero torque and 
                 {{1, zero}, {1, leave}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
     // Controlword 0000h, which takes the voltage away, and no torque.
     checkRounds(lastFrames(Drives::kCia402, signal), {{0x201, {0, 0, 0, 0}}, {0x202, {0, 0, 0, 0}}});
+    checkRounds(lastFrames(Drives::kTwoBuses, signal),
+                {{0x201, {0, 0, 0, 0}, 0}, {0x202, {0, 0, 0, 0}, 1}});
   }
 }
 
