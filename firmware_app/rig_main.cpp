@@ -1,8 +1,8 @@
 // patella-rig: the simulated rig as a process of its own on a CAN interface.
 #include <atomic>
 #include <csignal>
-#include <cstdio>
 #include <cstddef>
+#include <cstdio>
 #include <exception>
 #include <memory>
 #include <stdexcept>
@@ -41,7 +41,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   std::string interface;
   patella::sim::RigRunOptions options;
   app.add_option("--config", line.config, "run configuration, TOML; its [rig] describes the rig")->required();
-  app.add_option("interface", interface, "can:INTERFACE, such as can:vcan0; of several buses can, or can:INTERFACE,INTERFACE")
+  app.add_option("interface", interface,
+                 "can:INTERFACE, such as can:vcan0; of several buses can, or can:INTERFACE,INTERFACE")
       ->required();
   app.add_option("--duration", line.duration_s, "seconds; 0 runs until Ctrl-C");
   app.add_option("--faults", line.faults,

@@ -16,8 +16,8 @@ enum class FieldDriveKind : std::uint8_t { kMit, kOdrive, kCia402 };
 
 struct FieldDriveOptions {
   FieldDriveKind kind = FieldDriveKind::kMit;
-  int id = 1;         ///< identifier of an MIT-mode motor's commands; node of an ODrive or a CANopen drive
-  int master_id = 0;  ///< identifier of an MIT-mode motor's replies
+  int id = 1;            ///< identifier of an MIT-mode motor's commands; node of an ODrive or a CANopen drive
+  int master_id = 0;     ///< identifier of an MIT-mode motor's replies
   std::uint8_t bus = 0;  ///< on which it hears and sends
   /// Ranges that an MIT-mode motor spreads its raw values over, ±; those of the gains are 0 to 500 and 0
   /// to 5.

@@ -66,7 +66,7 @@ struct RigOptions {
   bool publish_truth = true;
   std::vector<FaultEvent> faults;  ///< what goes wrong; those of the loop's host are not the rig's
   std::uint64_t seed = 1;
-  std::size_t buses = 1;      ///< the messages of the database, and the drives, say on which they are
+  std::size_t buses = 1;            ///< the messages of the database, and the drives, say on which they are
   std::size_t queue_frames = 4096;  ///< frames not yet taken off the rig, a power of two
 };
 

@@ -58,7 +58,7 @@ class RigThread final : public can::Bus {
   std::atomic<bool> running_{false};
   std::atomic<std::int64_t> wall_step_ns_{0};
   can::BusCounters statistics_;  // the loop thread's
-  can::ErrorMonitor errors_;       // likewise
+  can::ErrorMonitor errors_;     // likewise
   std::thread thread_;
 };
 

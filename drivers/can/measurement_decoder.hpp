@@ -39,7 +39,7 @@ struct Reading {
   Measurement measurement;
   safety::FaultSet faults;
   BusSet fault_buses = 0;  ///< on which something is missing or damaged, as the faults say
-  bool complete = false;  ///< every bound input has been seen, but for those that are only recorded
+  bool complete = false;   ///< every bound input has been seen, but for those that are only recorded
 };
 
 /// Inputs that can be bound: position_rad.J (required for each joint), velocity_rad_s.J and drive_torque_Nm.J

@@ -45,8 +45,8 @@ std::uint8_t busOf(const std::string& interface, const std::vector<std::string>&
   std::string known;
   for (const std::string& name : interfaces)
     known += (known.empty() ? "" : ", ") + name;
-  throw LogError(place + ": a frame of interface '" + interface + "', expected one of the configuration's: " +
-                 known);
+  throw LogError(place + ": a frame of interface '" + interface +
+                 "', expected one of the configuration's: " + known);
 }
 
 enum class Role : std::uint8_t { kReceived, kSent, kCommand, kClosing };
@@ -99,8 +99,8 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
   Role last = Role::kReceived;
   LostEnds lost;
   while (reader.next(entry)) {
-    entry.frame.bus = busOf(entry.interface, options.interfaces,
-                            file.string() + ":" + std::to_string(reader.line()));
+    entry.frame.bus =
+        busOf(entry.interface, options.interfaces, file.string() + ":" + std::to_string(reader.line()));
     last = roleOf(entry.frame, options);
     stamps.follow(reader.line(), entry.frame.wall_ns);
     if (const auto end = lost.follow(last, commands_.size(), frames_.size())) {

@@ -21,8 +21,7 @@ DriveNodes::DriveNodes(const CanopenMap& map, double period_s)
     return frame;
   };
   for (const DriveSettings& drive : map.drives) {
-    nodes_.push_back(
-        {.node = drive.node, .bus = drive.bus, .joint = static_cast<std::size_t>(drive.joint)});
+    nodes_.push_back({.node = drive.node, .bus = drive.bus, .joint = static_cast<std::size_t>(drive.joint)});
     buses_ = static_cast<can::BusSet>(buses_ | can::busBit(drive.bus));
     farewell_.push_back(on(drive.bus, downloadFrame(drive.node, {0x1016, 1, 4, 0})));
     farewell_.push_back(on(drive.bus, nmtFrame(NmtCommand::kPreOperational, drive.node)));

@@ -48,7 +48,8 @@ class DriveNodes {
   std::uint16_t controlword(int node, safety::DrivePhase phase,
                             safety::DriveFrames frames) const noexcept PATELLA_NONBLOCKING;
 
-  /// What follows the commands of a tick, on each bus that has nodes: SYNC, and the heartbeat where it is due.
+  /// What follows the commands of a tick, on each bus that has nodes: SYNC, and the heartbeat where it is
+  /// due.
   std::span<const can::Frame> cycle() noexcept PATELLA_NONBLOCKING;
   /// After the last command: the drives no longer miss the loop's heartbeat, and fall silent.
   std::span<const can::Frame> farewell() const noexcept PATELLA_NONBLOCKING { return farewell_; }

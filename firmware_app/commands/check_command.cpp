@@ -43,12 +43,13 @@ void tellBusLoad(const RunConfig& config, std::size_t bus) {
   const bool stated = settings.bitrate > 0;
   const double bitrate = stated ? settings.bitrate : kUsualBitrate;
   const double share = load.bits_per_s / bitrate;
-  line(share <= kBusyShare, false, "bus load",
-       fmt::format("{}{:.0f} frames a second, at most {:.0f} bits a period of {:.3g} ms: {:.0f} % of {}{:.3g} "
-                   "Mbit/s{}",
-                   which, load.frames_per_s, load.bits_per_s / config.loop.rate_Hz, 1e3 / config.loop.rate_Hz,
-                   100.0 * share, stated ? "" : "an assumed ", bitrate / 1e6,
-                   share > 1.0 ? ", which is more than it carries" : ""));
+  line(
+      share <= kBusyShare, false, "bus load",
+      fmt::format("{}{:.0f} frames a second, at most {:.0f} bits a period of {:.3g} ms: {:.0f} % of {}{:.3g} "
+                  "Mbit/s{}",
+                  which, load.frames_per_s, load.bits_per_s / config.loop.rate_Hz, 1e3 / config.loop.rate_Hz,
+                  100.0 * share, stated ? "" : "an assumed ", bitrate / 1e6,
+                  share > 1.0 ? ", which is more than it carries" : ""));
 }
 
 void tellDrives(const RunConfig& config) {

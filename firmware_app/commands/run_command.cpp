@@ -368,8 +368,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   recorder.close();
 
   const bool wall_clock = config.clock == ClockKind::kMonotonic;
-  nlohmann::ordered_json summary = summarise(config, files, account.statistics(), *backend.bus,
-                                             decoder, recorder, wall_clock ? &setup->report() : nullptr);
+  nlohmann::ordered_json summary = summarise(config, files, account.statistics(), *backend.bus, decoder,
+                                             recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
     addReplay(summary, *backend.replay, config.backend.target);
   }

@@ -16,10 +16,10 @@ struct CanNeed {
 };
 
 struct HostNeeds {
-  int priority = 80;          ///< SCHED_FIFO priority that the loop will ask for
-  std::vector<int> cpus;      ///< processors that the loop will be bound to; empty: any
-  std::vector<CanNeed> can;   ///< interfaces that the loop will use
-  std::string gpio_chip;      ///< device path; empty: none needed
+  int priority = 80;         ///< SCHED_FIFO priority that the loop will ask for
+  std::vector<int> cpus;     ///< processors that the loop will be bound to; empty: any
+  std::vector<CanNeed> can;  ///< interfaces that the loop will use
+  std::string gpio_chip;     ///< device path; empty: none needed
 };
 
 /// One finding per condition, always in the same order; those of several CAN interfaces begin with its name.

@@ -109,9 +109,9 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
   } else {
     replace(mit, "\"mit_mode.dbc\"", "\"" + mit_dbc.string() + "\"");
   }
-  app::writeFile(map, drives == Drives::kOdrive   ? odrive
+  app::writeFile(map, drives == Drives::kOdrive                ? odrive
                       : drives == Drives::kCia402 || two_buses ? nodes
-                                                  : mit + mitRanges());
+                                                               : mit + mitRanges());
   const std::filesystem::path path = folder.path() / "run.toml";
   app::writeFile(path, text);
   app::CommandLine line;

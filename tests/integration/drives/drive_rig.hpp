@@ -19,8 +19,8 @@ enum class Drives { kBuiltIn, kMit, kOdrive, kMixed, kCia402, kTwoBuses };
 inline constexpr double kEnableAt_s = 0.5;
 
 /// The demonstration with these drives, each joint with its own, in virtual time. Mixed: joint 1 in MIT mode,
-/// joint 2 on an ODrive. CiA 402: set up when they are run; on two buses, "hip" and "knee", each with a drive,
-/// the latter with EMG and operator. Files are left in `folder`.
+/// joint 2 on an ODrive. CiA 402: set up when they are run; on two buses, "hip" and "knee", each with a
+/// drive, the latter with EMG and operator. Files are left in `folder`.
 app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder);
 
 /// Sends through to the rig, but for frames that the test keeps back; notes down what the loop sent.

@@ -103,8 +103,7 @@ TEST_CASE("whoever dies of a fault of its own sends every drive zero torque and 
                 {{1, zero}, {1, leave}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
     // Controlword 0000h, which takes the voltage away, and no torque.
     checkRounds(lastFrames(Drives::kCia402, signal), {{0x201, {0, 0, 0, 0}}, {0x202, {0, 0, 0, 0}}});
-    checkRounds(lastFrames(Drives::kTwoBuses, signal),
-                {{0x201, {0, 0, 0, 0}, 0}, {0x202, {0, 0, 0, 0}, 1}});
+    checkRounds(lastFrames(Drives::kTwoBuses, signal), {{0x201, {0, 0, 0, 0}, 0}, {0x202, {0, 0, 0, 0}, 1}});
   }
 }
 

@@ -140,8 +140,8 @@ TEST_CASE("two buses: one on which nobody is heard any more stops both") {
 TEST_CASE("two buses: one that takes no frame any more stops both, the other one in the same tick") {
   for (const std::uint8_t bus : {kHip, kKnee}) {
     constexpr int kFrom = 1200;
-    const FaultRun faulty = faultyRun(
-        {}, [bus](const can::Frame& frame, int tick) { return tick >= kFrom && frame.bus == bus; });
+    const FaultRun faulty =
+        faultyRun({}, [bus](const can::Frame& frame, int tick) { return tick >= kFrom && frame.bus == bus; });
     // The drive's own watchdog of SYNC comes before the fourth lost command: its report is the cause, or the
     // loop's own.
     const app::LoopStatistics& loop = faulty.run.loop;
@@ -159,7 +159,8 @@ TEST_CASE("two buses: one that takes no frame any more stops both, the other one
   }
 }
 
-TEST_CASE("two buses: the log has both interfaces, is played back frame by frame, and the event names the bus") {
+TEST_CASE(
+    "two buses: the log has both interfaces, is played back frame by frame, and the event names the bus") {
   const std::atomic<bool> never{false};
   const ScratchFolder folder;
   app::RunConfig config = driveConfiguration(Drives::kTwoBuses, kAt_s + kAfter_s, folder);

@@ -1,4 +1,5 @@
-// Sets up slaves of another author by our own SDO client, runs the loop on them, and writes what went over the bus.
+// Sets up slaves of another author by our own SDO client, runs the loop on them, and writes what went over
+// the bus.
 //
 //   foreign_run CONFIGURATION LOG PROGRAM ARGUMENT...
 #include <array>
@@ -49,7 +50,9 @@ class Operator final : public app::LoopSink {
     account_.tick(report);
     bus_.operate(++ticks_ > kEnableAtTick);
   }
-  void tickEnded(bool overrun, std::uint32_t missed) noexcept override { account_.tickEnded(overrun, missed); }
+  void tickEnded(bool overrun, std::uint32_t missed) noexcept override {
+    account_.tickEnded(overrun, missed);
+  }
 
  private:
   app::RunAccount& account_;

@@ -1,4 +1,5 @@
-// A bus whose other end is a process: frames as lines in the notation of candump, on its standard input and output.
+// A bus whose other end is a process: frames as lines in the notation of candump, on its standard input and
+// output.
 #pragma once
 
 #include <array>
@@ -21,7 +22,8 @@ class PipeBus final : public can::Bus {
   PipeBus(const PipeBus&) = delete;
   PipeBus& operator=(const PipeBus&) = delete;
 
-  std::size_t receive(std::span<can::Frame> frames, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
+  std::size_t receive(std::span<can::Frame> frames,
+                      std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   bool down() const noexcept override { return false; }
   can::BusStatistics statistics() const noexcept override { return {}; }

@@ -104,7 +104,8 @@ TEST_CASE("a group: frames carry the number of their bus in both directions") {
   CHECK(pair.group.statisticsOf(2).frames_sent == 0);
 }
 
-TEST_CASE("a group: a flooded bus leaves the other its part, and one that is down takes only its own frames") {
+TEST_CASE(
+    "a group: a flooded bus leaves the other its part, and one that is down takes only its own frames") {
   Pair pair(1000, 3);
   std::array<Frame, 16> frames;
   REQUIRE(pair.group.receive(frames, 0) == 11);

@@ -122,8 +122,9 @@ TEST_CASE("two buses: a bus that is not there, or not used, or named twice is re
   CHECK(says(refusal({kSecondInterface, "interface = \"a_name_of_sixteen\""}, kNoChange),
              "at most 15 characters"));
   CHECK(says(refusal({kSecondInterface, ""}, kNoChange), "interface"));
-  CHECK(says(refusal({"[estimation]", "[[bus]]\nname = \"a\"\ninterface = \"a\"\n[[bus]]\nname = \"b\"\n"
-                                      "interface = \"b\"\n[[bus]]\nname = \"c\"\ninterface = \"c\"\n[estimation]"},
+  CHECK(says(refusal({"[estimation]",
+                      "[[bus]]\nname = \"a\"\ninterface = \"a\"\n[[bus]]\nname = \"b\"\n"
+                      "interface = \"b\"\n[[bus]]\nname = \"c\"\ninterface = \"c\"\n[estimation]"},
                      kNoChange),
              "5 tables, expected 1 to 4"));
 }
@@ -141,15 +142,14 @@ TEST_CASE("one bus: without a name none may be named, with a name it may be left
   const std::size_t begin = two.find("[[bus]]");
   const std::size_t second = two.find("[[bus]]", begin + 1);
   const std::string tables = two.substr(begin, two.find("[estimation]") - begin);
-  CHECK(says(refusal({tables, "[bus]\nmap = \"map.toml\"\n\n"},
-                     {"# Binds", "# Binds"}),
-             "expected no 'bus'"));
+  CHECK(
+      says(refusal({tables, "[bus]\nmap = \"map.toml\"\n\n"}, {"# Binds", "# Binds"}), "expected no 'bus'"));
   const std::string only_knee = two.substr(second, two.find("[estimation]") - second);
-  const RunConfig config =
-      load({tables, only_knee}, {"bus = \"hip\"\n", ""});
+  const RunConfig config = load({tables, only_knee}, {"bus = \"hip\"\n", ""});
   CHECK(config.buses.size() == 1);
   CHECK(config.bus.database.message("Drive1Report").bus == 0);
-  CHECK(says(refusal({tables, only_knee}, kNoChange), "value 'hip', expected a bus of the run configuration: knee"));
+  CHECK(says(refusal({tables, only_knee}, kNoChange),
+             "value 'hip', expected a bus of the run configuration: knee"));
 }
 
 TEST_CASE("two buses: a script of faults strikes one of them, or all") {
@@ -159,7 +159,8 @@ TEST_CASE("two buses: a script of faults strikes one of them, or all") {
   CHECK(load(kNoChange, kNoChange, "", script("bus = \"knee\"\n")).faults[0].bus == 1);
   CHECK(load(kNoChange, kNoChange, "", script("")).faults[0].bus == sim::FaultEvent::kAll);
   CHECK(says(refusal(kNoChange, kNoChange, "", script("bus = \"foot\"\n")), "value 'foot'"));
-  CHECK(says(refusal(kNoChange, kNoChange, "", "[[fault]]\nkind = \"rig_stall\"\ntime_s = 1\nduration_s = 1\n"
-                                               "bus = \"knee\"\n"),
+  CHECK(says(refusal(kNoChange, kNoChange, "",
+                     "[[fault]]\nkind = \"rig_stall\"\ntime_s = 1\nduration_s = 1\n"
+                     "bus = \"knee\"\n"),
              "bus"));
 }

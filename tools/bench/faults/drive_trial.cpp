@@ -33,26 +33,16 @@ constexpr double kMargin_s = 4e-3;
 constexpr double kSwing_rad = 0.8;
 
 /// What is drawn: what happens to frames, interfaces and host, and what a drive can do by itself in a run.
-constexpr std::array kKinds = {FaultKind::kLostFrames,
-                               FaultKind::kDelayedFrames,
-                               FaultKind::kDuplicatedFrames,
-                               FaultKind::kEncoderJump,
-                               FaultKind::kEncoderDrift,
-                               FaultKind::kEmgSaturation,
-                               FaultKind::kEmgDisconnection,
-                               FaultKind::kDriveNotFollowing,
-                               FaultKind::kDriveOverTorque,
-                               FaultKind::kBusOff,
-                               FaultKind::kInterfaceDown,
-                               FaultKind::kRigStall,
-                               FaultKind::kPeerRestart,
-                               FaultKind::kLoopStall,
-                               FaultKind::kEmergencyStop,
-                               FaultKind::kGpioBounce,
-                               FaultKind::kDriveSilent,
-                               FaultKind::kDriveReboots,
-                               FaultKind::kDriveReportsFault,
-                               FaultKind::kDriveLeaves};
+constexpr std::array kKinds = {FaultKind::kLostFrames,        FaultKind::kDelayedFrames,
+                               FaultKind::kDuplicatedFrames,  FaultKind::kEncoderJump,
+                               FaultKind::kEncoderDrift,      FaultKind::kEmgSaturation,
+                               FaultKind::kEmgDisconnection,  FaultKind::kDriveNotFollowing,
+                               FaultKind::kDriveOverTorque,   FaultKind::kBusOff,
+                               FaultKind::kInterfaceDown,     FaultKind::kRigStall,
+                               FaultKind::kPeerRestart,       FaultKind::kLoopStall,
+                               FaultKind::kEmergencyStop,     FaultKind::kGpioBounce,
+                               FaultKind::kDriveSilent,       FaultKind::kDriveReboots,
+                               FaultKind::kDriveReportsFault, FaultKind::kDriveLeaves};
 
 bool isCanopen(const app::RunConfig& config) {
   return config.bus.canopen.any();
@@ -241,7 +231,8 @@ std::optional<double> silentFor(const app::RunConfig& scenario, double effect_s,
 double slowestHeartbeat_s(const app::RunConfig& scenario) {
   double slowest_s = 0.0;
   for (const sim::FieldDriveOptions& drive : scenario.rig.field_drives) {
-    slowest_s = std::max(slowest_s, drive.kind == sim::FieldDriveKind::kOdrive ? drive.heartbeat_period_s : 0.0);
+    slowest_s =
+        std::max(slowest_s, drive.kind == sim::FieldDriveKind::kOdrive ? drive.heartbeat_period_s : 0.0);
   }
   return slowest_s;
 }
@@ -263,8 +254,8 @@ std::optional<double> owedByDrives_s(const app::RunConfig& scenario) {
   if (scenario.faults.size() > 1 || event.cycle_s > 0.0 || event.probability < 1.0) {
     return std::nullopt;
   }
-  const bool drives = event.channel == FaultEvent::kAll ||
-                      event.channel == static_cast<int>(FrameChannel::kDriveStatus);
+  const bool drives =
+      event.channel == FaultEvent::kAll || event.channel == static_cast<int>(FrameChannel::kDriveStatus);
   switch (event.kind) {
     case FaultKind::kBusOff:
     case FaultKind::kInterfaceDown:
