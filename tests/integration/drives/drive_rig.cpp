@@ -125,6 +125,31 @@ double DriveRun::tracking_rad(std::size_t joint) const {
   return std::sqrt(loop.tracking_sum_of_squares[joint] / static_cast<double>(loop.tracking_count));
 }
 
+namespace {
+
+bool anyTorque(const sim::Rig& rig) {
+  for (std::size_t joint = 0; joint < rig.fieldDrives().size(); ++joint) {
+    if (rig.fieldDrives()[joint].torque() != 0.0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Lives on without a loop.
+double torqueLeft_s(sim::Rig& rig, std::int64_t from_ns) {
+  constexpr std::int64_t kLook_ns = 100'000;
+  constexpr std::int64_t kLongest_ns = 1'000'000'000;
+  std::int64_t after_ns = 0;
+  while (after_ns < kLongest_ns && anyTorque(rig)) {
+    after_ns += kLook_ns;
+    rig.advance(from_ns + after_ns);
+  }
+  return 1e-9 * static_cast<double>(after_ns);
+}
+
+}  // namespace
+
 DriveRun runDrives(const app::RunConfig& config, const std::function<void(WatchedBus&)>& prepare) {
   VirtualClock clock;
   const auto rig = app::makeRig(config);
@@ -154,6 +179,7 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
   const std::atomic<bool> stop{false};
   loop.run(stop);
   DriveRun run;
+  run.torque_left_s = torqueLeft_s(*rig, clock.now());
   run.loop = account.statistics();
   run.bus = bus.statistics();
   run.seen = bus.seen;

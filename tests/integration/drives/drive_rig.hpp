@@ -85,6 +85,7 @@ struct DriveRun {
   std::vector<std::uint64_t> commands;
   std::vector<bool> enabled;
   std::vector<can::Frame> seen;  ///< as WatchedBus has it
+  double torque_left_s = 0.0;    ///< from the loop's last frame until no drive gives torque; 1 s: never
   bool line_up_in_run = false;   ///< as the last tick but one has left it
   bool line_up = false;          ///< after the run
   double tracking_rad(std::size_t joint) const;
