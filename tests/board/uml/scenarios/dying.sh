@@ -9,12 +9,12 @@ template=$3
 here=/run/work/dying
 mkdir -p "$here"
 
-# The shipped map of a kind, at 100 Hz, with times as for no motor and watchdogs of 0.3 s.
+# The shipped map of a kind, at 100 Hz, with times as for no motor and watchdogs of 0.9 s.
 make_map() {
   sed -e "s#\"\([a-z0-9_]*\.\(dbc\|eds\)\)\"#\"$shipped/can/\1\"#" \
     -e 's/^\(encoder\|emg\)_period_s = .*/\1_period_s = 0.01/' \
     -e 's/^\(encoder\|drive\|emg\)_timeout_s = .*/\1_timeout_s = 1.0/' -e 's/^tolerated_bad_frames = .*/tolerated_bad_frames = 100/' \
-    -e 's/^heartbeat_period_s = .*/heartbeat_period_s = 0.01/' -e 's/^heartbeat_timeout_s = .*/heartbeat_timeout_s = 0.3/' \
+    -e 's/^heartbeat_period_s = .*/heartbeat_period_s = 0.01/' -e 's/^heartbeat_timeout_s = .*/heartbeat_timeout_s = 0.9/' \
     -e 's/^node_heartbeat_timeout_s = .*/node_heartbeat_timeout_s = 1.0/' -e 's/^enter_timeout_s = .*/enter_timeout_s = 2.0/' \
     "$shipped/can/$1.toml" >"$here/map.toml"
 }
@@ -45,10 +45,13 @@ dies_by() {
   rm -rf "$run"
   "$patella" run --config "$config" --backend "can:$PATELLA_CAN_INTERFACE" --duration 30 --out "$run" >"$PATELLA_ARTEFACTS/loop.txt" 2>&1 &
   loop_pid=$!
-  sleep 8
+  # Until torque has flowed for a while: a host that others use as well takes its time.
+  waited=0
+  while [ "$waited" -lt 40 ] && ! grep -q state=active "$run/events.log" 2>/dev/null; do sleep 0.5; waited=$((waited + 1)); done
+  sleep 1.5
   kill "-$signal" "$loop_pid"
   wait "$loop_pid" || true
-  sleep 1
+  sleep 2
   kill -INT "$candump_pid" && wait "$candump_pid" || true
   stop_rig || true
   tail -n 60 "$here/heard.log" >"$PATELLA_ARTEFACTS/$kind-$signal.log"
@@ -80,16 +83,16 @@ case $kind in
 position_range_rad = 12.5
 velocity_range_rad_s = 8
 torque_range_Nm = 144
-watchdog_s = 0.3' ;;
+watchdog_s = 0.9' ;;
   odrive)
     make_map odrive_cansimple
-    make_run odrive 'watchdog_s = 0.3' ;;
+    make_run odrive 'watchdog_s = 0.9' ;;
   cia402)
     make_map cia402
     make_run cia402 'rated_torque_Nm = 0.5
 gear = 100
 counts_per_turn = 16384
-watchdog_s = 0.3' ;;
+watchdog_s = 0.9' ;;
 esac
 config=$here/run.toml
 for signal in TERM SEGV KILL; do
