@@ -43,7 +43,7 @@ dies_by() {
   candump -L "$PATELLA_CAN_INTERFACE" >"$here/heard.log" &
   candump_pid=$!
   rm -rf "$run"
-  "$patella" run --config "$config" --backend "can:$PATELLA_CAN_INTERFACE" --duration 30 --out "$run" >"$PATELLA_ARTEFACTS/loop.txt" 2>&1 &
+  "$patella" run --config "$config" --backend "can:$PATELLA_CAN_INTERFACE" --duration 60 --out "$run" >"$PATELLA_ARTEFACTS/loop.txt" 2>&1 &
   loop_pid=$!
   # Until torque has flowed for a while: a host that others use as well takes its time.
   waited=0
@@ -95,6 +95,9 @@ counts_per_turn = 16384
 watchdog_s = 0.9' ;;
 esac
 config=$here/run.toml
+# The programs are read from the host once, so that the operator does not raise enable before the first loop is ready.
+"$patella" check --config "$config" --backend sim >/dev/null
+"$patella_rig" --version >/dev/null
 for signal in TERM SEGV KILL; do
   dies_by "$signal"
 done
