@@ -47,7 +47,7 @@ dies_by() {
   loop_pid=$!
   # Until torque has flowed for a while: a host that others use as well takes its time.
   waited=0
-  while [ "$waited" -lt 40 ] && ! grep -q state=active "$run/events.log" 2>/dev/null; do sleep 0.5; waited=$((waited + 1)); done
+  while [ "$waited" -lt 60 ] && ! grep -q state=active "$run/events.log" 2>/dev/null; do sleep 0.5; waited=$((waited + 1)); done
   sleep 1.5
   kill "-$signal" "$loop_pid"
   wait "$loop_pid" || true
