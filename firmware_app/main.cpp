@@ -38,8 +38,10 @@ std::filesystem::path defaultFolder() {
 
 void addCommon(CLI::App& command, patella::app::CommandLine& line) {
   command.add_option("--config", line.config, "run configuration, TOML")->required();
-  command.add_option("--backend", line.backend,
-                     "sim, can:INTERFACE or replay:LOG; wins over the configuration");
+  command.add_option(
+      "--backend", line.backend,
+      "sim, can:INTERFACE or replay:LOG; of several buses can, or can:INTERFACE,INTERFACE; wins over the "
+      "configuration");
   command.add_option("--model", line.model, "model of the leg, TOML; wins over the configuration");
   command.add_option(
       "--rig-model", line.rig_model,

@@ -1,15 +1,19 @@
 // patella-rig: the simulated rig as a process of its own on a CAN interface.
 #include <atomic>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
-#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "drivers/can/bus_group.hpp"
 #include "drivers/can/socketcan_bus.hpp"
 #include "drivers/clock/clock.hpp"
 #include "firmware_app/configuration/run_config.hpp"
@@ -37,7 +41,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   std::string interface;
   patella::sim::RigRunOptions options;
   app.add_option("--config", line.config, "run configuration, TOML; its [rig] describes the rig")->required();
-  app.add_option("interface", interface, "can:INTERFACE, such as can:vcan0")->required();
+  app.add_option("interface", interface,
+                 "can:INTERFACE, such as can:vcan0; of several buses can, or can:INTERFACE,INTERFACE")
+      ->required();
   app.add_option("--duration", line.duration_s, "seconds; 0 runs until Ctrl-C");
   app.add_option("--faults", line.faults,
                  "script of faults, TOML: what goes wrong in the rig and on the bus");
@@ -54,17 +60,22 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   sigaction(SIGTERM, &action, nullptr);
 
   try {
-    constexpr std::string_view kPrefix = "can:";
-    if (!interface.starts_with(kPrefix) || interface.size() == kPrefix.size()) {
+    line.only_rig = true;
+    line.backend = interface;
+    const patella::app::RunConfig config = patella::app::loadRunConfig(line);
+    if (config.backend.kind != patella::app::BackendKind::kCan) {
       throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE, such as can:vcan0");
     }
-    line.only_rig = true;
-    const patella::app::RunConfig config = patella::app::loadRunConfig(line);
     options.duration_s = line.duration_s.value_or(0.0);
     const auto rig = patella::app::makeRig(config);
-    const std::string name = interface.substr(kPrefix.size());
-    patella::can::SocketCanBus bus(name);
-    options.set_interface_down = [&](bool down) { patella::app::setCanInterfaceUp(name, !down); };
+    std::vector<std::unique_ptr<patella::can::Bus>> interfaces;
+    for (const patella::app::BusSettings& bus : config.buses) {
+      interfaces.push_back(std::make_unique<patella::can::SocketCanBus>(bus.interface));
+    }
+    patella::can::BusGroup bus(std::move(interfaces));
+    options.set_interface_down = [&config](std::size_t which, bool down) {
+      patella::app::setCanInterfaceUp(config.buses[which].interface, !down);
+    };
     patella::MonotonicClock clock;
     patella::app::RealtimeOptions realtime;
     realtime.priority = config.realtime.priority > 1 ? config.realtime.priority - 1 : 0;

@@ -22,6 +22,16 @@ void check(const RigRunOptions& options) {
   }
 }
 
+// Hands on which interfaces have changed.
+void setInterfaces(const RigRunOptions& options, can::BusSet& down, can::BusSet wanted, std::size_t buses) {
+  for (std::size_t bus = 0; options.set_interface_down && bus < buses; ++bus) {
+    if (((down ^ wanted) & can::busBit(bus)) != 0) {
+      options.set_interface_down(bus, (wanted & can::busBit(bus)) != 0);
+    }
+  }
+  down = wanted;
+}
+
 }  // namespace
 
 RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic<bool>& stop,
@@ -30,7 +40,7 @@ RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic
   RigRunStatistics statistics;
   std::array<can::Frame, kFramesPerPoll> received;
   can::Frame frame;
-  bool interface_down = false;
+  can::BusSet interfaces_down = 0;
   const std::int64_t start_ns = clock.now();
   const std::int64_t end_ns =
       options.duration_s > 0.0 ? start_ns + static_cast<std::int64_t>(std::llround(options.duration_s * 1e9))
@@ -40,12 +50,7 @@ RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic
   for (std::int64_t poll = 0; instant_ns <= end_ns && !stop.load(std::memory_order_relaxed);) {
     clock.sleepUntil(instant_ns);
     rig.advance(instant_ns);
-    if (rig.interfaceDown() != interface_down) {
-      interface_down = rig.interfaceDown();
-      if (options.set_interface_down) {
-        options.set_interface_down(interface_down);
-      }
-    }
+    setInterfaces(options, interfaces_down, rig.interfacesDown(), rig.buses());
     while (rig.pop(frame)) {
       const bool sent = bus.send(frame, instant_ns) == can::SendResult::kSent;
       ++(sent ? statistics.frames_sent : statistics.send_failed);
@@ -59,9 +64,7 @@ RigRunStatistics runRig(Rig& rig, can::Bus& bus, Clock& clock, const std::atomic
     ++poll;
     instant_ns = start_ns + poll * rig.sensorPeriod_ns() / options.polls_per_period;
   }
-  if (interface_down && options.set_interface_down) {
-    options.set_interface_down(false);  // a run that ends meanwhile leaves the host as it was
-  }
+  setInterfaces(options, interfaces_down, 0, rig.buses());  // the host is left as it was
   statistics.rig = rig.statistics();
   return statistics;
 }

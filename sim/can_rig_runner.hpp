@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
@@ -15,8 +16,8 @@ struct RigRunOptions {
   double duration_s = 0.0;  ///< 0: until told to stop
   int polls_per_period =
       4;  ///< how often the bus is looked at in a sensor period: a command waits at most so long
-  /// Takes the interface down (true) and up again where a script says so; may be empty.
-  std::function<void(bool down)> set_interface_down{};
+  /// Takes the interface of a bus down (true) and up again where a script says so; may be empty.
+  std::function<void(std::size_t bus, bool down)> set_interface_down{};
 };
 
 struct RigRunStatistics {

@@ -36,13 +36,32 @@ void FaultInjector::advance(double time_s) noexcept PATELLA_NONBLOCKING {
   }
 }
 
-bool FaultInjector::changed(FaultKind kind, bool to) const noexcept {
+namespace {
+
+can::BusSet busesOf(const FaultEvent& event) noexcept {
+  return event.bus == FaultEvent::kAll ? can::kAllBuses : can::busBit(static_cast<std::size_t>(event.bus));
+}
+
+}  // namespace
+
+can::BusSet FaultInjector::changed(FaultKind kind, bool to) const noexcept {
+  can::BusSet buses = 0;
   for (std::size_t i = 0; i < events_.size(); ++i) {
     if (events_[i].kind == kind && active_[i] == to && before_[i] != to) {
-      return true;
+      buses = static_cast<can::BusSet>(buses | busesOf(events_[i]));
     }
   }
-  return false;
+  return buses;
+}
+
+can::BusSet FaultInjector::struck(FaultKind kind) const noexcept {
+  can::BusSet buses = 0;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    if (active_[i] && events_[i].kind == kind) {
+      buses = static_cast<can::BusSet>(buses | busesOf(events_[i]));
+    }
+  }
+  return buses;
 }
 
 const FaultEvent* FaultInjector::find(FaultKind kind) const noexcept {
@@ -54,9 +73,10 @@ const FaultEvent* FaultInjector::find(FaultKind kind) const noexcept {
   return nullptr;
 }
 
-FaultEvent* FaultInjector::find(FaultKind kind, int channel) noexcept {
+FaultEvent* FaultInjector::find(FaultKind kind, int channel, int bus) noexcept {
   for (std::size_t i = 0; i < events_.size(); ++i) {
-    if (active_[i] && events_[i].kind == kind && events_[i].concerns(channel)) {
+    if (active_[i] && events_[i].kind == kind && events_[i].concerns(channel) &&
+        (bus == FaultEvent::kAll || events_[i].strikes(bus))) {
       return &events_[i];
     }
   }
@@ -83,17 +103,18 @@ void FaultInjector::note(const FaultEvent& event) noexcept {
   }
 }
 
-bool FaultInjector::silent() const noexcept {
-  return active(FaultKind::kBusOff) || active(FaultKind::kInterfaceDown) || active(FaultKind::kPeerRestart);
+bool FaultInjector::silent(std::uint8_t bus) const noexcept {
+  const auto off = struck(FaultKind::kBusOff) | struck(FaultKind::kInterfaceDown);
+  return (off & can::busBit(bus)) != 0 || active(FaultKind::kPeerRestart);
 }
 
-bool FaultInjector::lost(FrameChannel channel) noexcept {
-  const FaultEvent* event = find(FaultKind::kLostFrames, static_cast<int>(channel));
+bool FaultInjector::lost(const can::Frame& frame, FrameChannel channel) noexcept {
+  const FaultEvent* event = find(FaultKind::kLostFrames, static_cast<int>(channel), frame.bus);
   return event != nullptr && happens(*event);
 }
 
 void FaultInjector::flip(can::Frame& frame, FrameChannel channel) noexcept {
-  const FaultEvent* event = find(FaultKind::kFlippedBits, static_cast<int>(channel));
+  const FaultEvent* event = find(FaultKind::kFlippedBits, static_cast<int>(channel), frame.bus);
   if (event == nullptr || frame.length == 0 || !happens(*event)) {
     return;
   }
@@ -112,7 +133,7 @@ void FaultInjector::flip(can::Frame& frame, FrameChannel channel) noexcept {
 bool FaultInjector::hold(const can::Frame& frame, FrameChannel channel) noexcept {
   // What a rig that stands still sends at last is under way for as long as any other.
   const FaultEvent* const stall = find(FaultKind::kRigStall);
-  const FaultEvent* const delay = find(FaultKind::kDelayedFrames, static_cast<int>(channel));
+  const FaultEvent* const delay = find(FaultKind::kDelayedFrames, static_cast<int>(channel), frame.bus);
   const bool delayed = delay != nullptr && happens(*delay);
   if (stall == nullptr && !delayed) {
     return false;

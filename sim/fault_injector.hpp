@@ -30,9 +30,14 @@ class FaultInjector {
   /// To be called at each sample with the time since the rig's start, before anything else.
   void advance(double time_s) noexcept PATELLA_NONBLOCKING;
   bool active(FaultKind kind) const noexcept { return find(kind) != nullptr; }
+  /// Buses that it strikes.
+  can::BusSet struck(FaultKind kind) const noexcept;
   /// In the newest advance().
-  bool began(FaultKind kind) const noexcept { return changed(kind, true); }
-  bool ended(FaultKind kind) const noexcept { return changed(kind, false); }
+  bool began(FaultKind kind) const noexcept { return changed(kind, true) != 0; }
+  bool ended(FaultKind kind) const noexcept { return changed(kind, false) != 0; }
+  /// The buses of it.
+  can::BusSet beganOn(FaultKind kind) const noexcept { return changed(kind, true); }
+  can::BusSet endedOn(FaultKind kind) const noexcept { return changed(kind, false); }
 
   void encoder(int joint, double& position_rad, double& velocity_rad_s) noexcept PATELLA_NONBLOCKING;
   void emg(EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING;
@@ -52,7 +57,7 @@ class FaultInjector {
       sink(frame);
       return;
     }
-    if (silent() || lost(channel)) {
+    if (silent(frame.bus) || lost(frame, channel)) {
       return;
     }
     flip(frame, channel);
@@ -61,13 +66,13 @@ class FaultInjector {
     }
     const auto index = static_cast<int>(channel);
     std::optional<can::Frame>& waiting = reordered_[static_cast<std::size_t>(channel)];
-    if (FaultEvent* event = find(FaultKind::kReorderedFrames, index);
+    if (FaultEvent* event = find(FaultKind::kReorderedFrames, index, frame.bus);
         event != nullptr && !waiting && happens(*event)) {
       waiting = frame;
       return;
     }
     sink(frame);
-    if (const FaultEvent* event = find(FaultKind::kDuplicatedFrames, index);
+    if (const FaultEvent* event = find(FaultKind::kDuplicatedFrames, index, frame.bus);
         event != nullptr && happens(*event)) {
       sink(frame);
     }
@@ -83,7 +88,7 @@ class FaultInjector {
     for (std::size_t i = 0; i < held_count_; ++i) {
       if (held_[i].due_s > time_s_) {
         held_[kept++] = held_[i];
-      } else if (!silent()) {
+      } else if (!silent(held_[i].frame.bus)) {
         sink(held_[i].frame, held_[i].channel);
       }
     }
@@ -94,14 +99,14 @@ class FaultInjector {
   /// none.
   template <typename Sink>
   void forge(Sink&& sink) noexcept {
-    for (int i = 0; i < kFrameChannelCount && !silent(); ++i) {
+    for (int i = 0; i < kFrameChannelCount; ++i) {
       const FaultEvent* event = find(FaultKind::kForgedFrames, i);
       const auto channel = static_cast<FrameChannel>(i);
       if (event == nullptr || !happens(*event)) {
         continue;
       }
       const auto frame = forger_.forge(channel, event->value, event->counter_correct, event->crc_correct);
-      if (frame) {
+      if (frame && !silent(frame->bus) && event->strikes(frame->bus)) {
         sink(*frame, channel);
       }
     }
@@ -121,15 +126,15 @@ class FaultInjector {
 
   bool idle() const noexcept { return active_count_ == 0 && held_count_ == 0 && !waiting(); }
   bool waiting() const noexcept;
-  bool silent() const noexcept;
-  bool changed(FaultKind kind, bool to) const noexcept;
+  bool silent(std::uint8_t bus) const noexcept;
+  can::BusSet changed(FaultKind kind, bool to) const noexcept;
   const FaultEvent* find(FaultKind kind) const noexcept;
-  FaultEvent* find(FaultKind kind, int channel) noexcept;
+  FaultEvent* find(FaultKind kind, int channel, int bus = FaultEvent::kAll) noexcept;
   bool acts(FaultKind kind, int channel) noexcept;
   /// Draws for one frame, and notes the first time.
   bool happens(const FaultEvent& event) noexcept;
   void note(const FaultEvent& event) noexcept;
-  bool lost(FrameChannel channel) noexcept;
+  bool lost(const can::Frame& frame, FrameChannel channel) noexcept;
   void flip(can::Frame& frame, FrameChannel channel) noexcept;
   bool hold(const can::Frame& frame, FrameChannel channel) noexcept;
 

@@ -63,6 +63,11 @@ bool needsFieldDrive(FaultKind kind) noexcept {
   return kind >= FaultKind::kDriveSilent && kind < FaultKind::kCount;
 }
 
+bool actsOnBus(FaultKind kind) noexcept {
+  return channelGroup(kind) == ChannelGroup::kFrames || kind == FaultKind::kBusOff ||
+         kind == FaultKind::kInterfaceDown;
+}
+
 bool needsCanopenDrive(FaultKind kind) noexcept {
   return kind >= FaultKind::kDriveAbortsSdo && kind < FaultKind::kCount;
 }

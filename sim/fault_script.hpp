@@ -80,6 +80,9 @@ bool actsOnMachine(FaultKind kind) noexcept;
 /// True for what only a drive that is a node of its own can do.
 bool needsFieldDrive(FaultKind kind) noexcept;
 
+/// True for what may strike one bus alone.
+bool actsOnBus(FaultKind kind) noexcept;
+
 /// True for what of these only a CANopen drive can do.
 bool needsCanopenDrive(FaultKind kind) noexcept;
 
@@ -108,6 +111,7 @@ struct FaultEvent {
   double duty = 1.0;     ///< share of a cycle, from its beginning, in which it is there
   /// FrameChannel, electrode or joint from 0 by the kind's group; kAll for every one.
   int channel = kAll;
+  int bus = kAll;            ///< what happens to frames, and to interfaces: of one bus, from 0
   double probability = 1.0;  ///< for each frame
   double delay_s = 0.01;     ///< delayed_frames
   int bits = 1;              ///< flipped_bits: how many of a frame
@@ -141,6 +145,7 @@ struct FaultEvent {
     return last_s >= time_s && burstEnd(std::max(last_s, time_s)) > from_s && from_s < time_s + duration_s;
   }
   bool concerns(int index) const noexcept { return channel == kAll || channel == index; }
+  bool strikes(int bus_index) const noexcept { return bus == kAll || bus == bus_index; }
 };
 
 /// Throws std::invalid_argument naming the value that is out of range; for scripts that no file has checked.

@@ -47,7 +47,7 @@ FieldDrive::FieldDrive(const FieldDriveOptions& options) : options_(options), st
 
 bool FieldDrive::accept(const can::Frame& frame, const JointReading& joint, std::int64_t now_ns,
                         FrameSink& replies) noexcept PATELLA_NONBLOCKING {
-  if (defect_.off || frame.error || frame.remote || frame.extended) {
+  if (defect_.off || frame.error || frame.remote || frame.extended || frame.bus != options_.bus) {
     return false;
   }
   return hear(frame, joint, now_ns, replies);

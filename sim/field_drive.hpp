@@ -16,8 +16,9 @@ enum class FieldDriveKind : std::uint8_t { kMit, kOdrive, kCia402 };
 
 struct FieldDriveOptions {
   FieldDriveKind kind = FieldDriveKind::kMit;
-  int id = 1;         ///< identifier of an MIT-mode motor's commands; node of an ODrive or a CANopen drive
-  int master_id = 0;  ///< identifier of an MIT-mode motor's replies
+  int id = 1;            ///< identifier of an MIT-mode motor's commands; node of an ODrive or a CANopen drive
+  int master_id = 0;     ///< identifier of an MIT-mode motor's replies
+  std::uint8_t bus = 0;  ///< on which it hears and sends
   /// Ranges that an MIT-mode motor spreads its raw values over, ±; those of the gains are 0 to 500 and 0
   /// to 5.
   double position_range_rad = 12.5;
@@ -90,6 +91,7 @@ class FieldDrive {
   bool enabled() const noexcept { return phase_ == Phase::kEnabled; }
   std::uint64_t watchdogTrips() const noexcept { return watchdog_trips_; }
   std::uint64_t commands() const noexcept { return commands_; }
+  const FieldDriveOptions& options() const noexcept { return options_; }
 
  protected:
   enum class Phase : std::uint8_t { kDisabled, kEnabling, kEnabled };
@@ -107,7 +109,6 @@ class FieldDrive {
   void command(double torque_Nm, std::int64_t now_ns) noexcept;
   /// The watchdog trips then, unless it is put off until later.
   void starveAt(std::int64_t instant_ns) noexcept { starved_at_ns_ = instant_ns; }
-  const FieldDriveOptions& options() const noexcept { return options_; }
   const FieldDriveDefect& defect() const noexcept { return defect_; }
 
  private:

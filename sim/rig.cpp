@@ -111,7 +111,8 @@ Rig::Rig(const RigOptions& options, const can::Database& database)
 
 Rig::Rig(const RigOptions& options, model::DynamicsModel truth, model::DynamicsModel known,
          const can::Database& database)
-    : sensor_period_ns_(checkedPeriod(options)),
+    : buses_(options.buses),
+      sensor_period_ns_(checkedPeriod(options)),
       samples_per_operator_frame_(
           static_cast<std::uint64_t>(options.operator_period_ns / options.sensor_period_ns)),
       max_step_s_(options.max_step_s),
@@ -165,9 +166,9 @@ JointReading Rig::read(std::size_t joint) noexcept {
 
 void Rig::obey(const can::Frame& frame) noexcept {
   if (field_drives_.any()) {
-    DriveSink sink(*this);
     bool taken = false;
     for (std::size_t joint = 0; joint < field_drives_.size(); ++joint) {
+      DriveSink sink(*this, field_drives_[joint].options().bus);
       taken = field_drives_[joint].accept(frame, read(joint), now_ns_, sink) || taken;
     }
     ++(taken ? statistics_.commands_accepted : statistics_.commands_rejected);
@@ -250,8 +251,8 @@ void Rig::sample() noexcept {
 
 void Rig::sampleDrives() noexcept {
   if (field_drives_.any()) {
-    DriveSink sink(*this);
     for (std::size_t joint = 0; joint < field_drives_.size(); ++joint) {
+      DriveSink sink(*this, field_drives_[joint].options().bus);
       field_drives_[joint].sample(read(joint), now_ns_, sink);
     }
     return;
@@ -274,13 +275,9 @@ void Rig::sampleFaults(double time_s) noexcept {
   for (std::size_t joint = 0; joint < field_drives_.size(); ++joint) {
     field_drives_[joint].defect(faults_.fieldDrive(static_cast<int>(joint)), now_ns_);
   }
-  interface_down_.store(faults_.active(FaultKind::kInterfaceDown), std::memory_order_relaxed);
-  if (faults_.began(FaultKind::kBusOff)) {
-    reportError(can::kErrorBusOff);
-  }
-  if (faults_.ended(FaultKind::kBusOff)) {
-    reportError(can::kErrorRestarted);
-  }
+  interfaces_down_.store(faults_.struck(FaultKind::kInterfaceDown), std::memory_order_relaxed);
+  reportError(can::kErrorBusOff, faults_.beganOn(FaultKind::kBusOff));
+  reportError(can::kErrorRestarted, faults_.endedOn(FaultKind::kBusOff));
   if (faults_.began(FaultKind::kPeerRestart)) {
     drive_.restart();
   }
@@ -289,12 +286,18 @@ void Rig::sampleFaults(double time_s) noexcept {
   }
 }
 
-void Rig::reportError(std::uint32_t error_class) noexcept {
-  can::Frame report;
-  report.error = true;
-  report.id = error_class;
-  report.length = 8;
-  queue(report);
+void Rig::reportError(std::uint32_t error_class, can::BusSet buses) noexcept {
+  for (std::size_t bus = 0; bus < buses_; ++bus) {
+    if ((buses & can::busBit(bus)) == 0) {
+      continue;
+    }
+    can::Frame report;
+    report.error = true;
+    report.id = error_class;
+    report.length = 8;
+    report.bus = static_cast<std::uint8_t>(bus);
+    queue(report);
+  }
 }
 
 void Rig::send(const can::Frame& frame, FrameChannel channel) noexcept {

@@ -66,6 +66,7 @@ struct RigOptions {
   bool publish_truth = true;
   std::vector<FaultEvent> faults;  ///< what goes wrong; those of the loop's host are not the rig's
   std::uint64_t seed = 1;
+  std::size_t buses = 1;            ///< the messages of the database, and the drives, say on which they are
   std::size_t queue_frames = 4096;  ///< frames not yet taken off the rig, a power of two
 };
 
@@ -111,8 +112,9 @@ class Rig {
   const FieldDrives& fieldDrives() const noexcept { return field_drives_; }
   const EmgGenerator& emg() const noexcept { return emg_; }
   RigStatistics statistics() const noexcept;
-  /// By script: the rig's side of the bus is gone. May be asked from any thread.
-  bool interfaceDown() const noexcept { return interface_down_.load(std::memory_order_relaxed); }
+  /// By script: the rig's side of these buses is gone. May be asked from any thread.
+  can::BusSet interfacesDown() const noexcept { return interfaces_down_.load(std::memory_order_relaxed); }
+  std::size_t buses() const noexcept { return buses_; }
   /// By script: what the wall clock was set forth by, ns; for the stamps of frames.
   std::int64_t wallStep_ns() const noexcept { return faults_.wallStep_ns(); }
   const FaultInjector& faults() const noexcept { return faults_; }
@@ -130,9 +132,10 @@ class Rig {
     return field_drives_.any() ? field_drives_.torque() : drive_.torque();
   }
   void sampleDrives() noexcept;
-  void reportError(std::uint32_t error_class) noexcept;
+  void reportError(std::uint32_t error_class, can::BusSet buses) noexcept;
   bool resetPressed(double time_s) const noexcept;
 
+  std::size_t buses_;
   std::int64_t sensor_period_ns_;
   std::uint64_t samples_per_operator_frame_;
   double max_step_s_;
@@ -151,14 +154,19 @@ class Rig {
   /// Frames of the drives, through the faults of the bus.
   class DriveSink final : public FrameSink {
    public:
-    explicit DriveSink(Rig& rig) noexcept : rig_(rig) {}
-    void put(const can::Frame& frame) noexcept override { rig_.send(frame, FrameChannel::kDriveStatus); }
+    DriveSink(Rig& rig, std::uint8_t bus) noexcept : rig_(rig), bus_(bus) {}
+    void put(const can::Frame& frame) noexcept override {
+      can::Frame sent = frame;
+      sent.bus = bus_;
+      rig_.send(sent, FrameChannel::kDriveStatus);
+    }
 
    private:
     Rig& rig_;
+    std::uint8_t bus_;
   };
   FaultInjector faults_;
-  std::atomic<bool> interface_down_{false};
+  std::atomic<can::BusSet> interfaces_down_{0};
 
   bool started_ = false;
   std::int64_t epoch_ns_ = 0;

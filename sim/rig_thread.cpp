@@ -49,29 +49,29 @@ std::size_t RigThread::receive(std::span<can::Frame> frames,
   while (count < frames.size() && to_loop_.pop(frames[count])) {
     can::Frame& frame = frames[count++];
     frame.monotonic_ns = now_ns;
-    errors_.observe(frame, statistics_);
-    statistics_.frames_received += frame.error ? 0U : 1U;
+    errors_.observe(frame, statistics_[frame.bus]);
+    statistics_[frame.bus].frames_received += frame.error ? 0U : 1U;
   }
   return count;
 }
 
 can::SendResult RigThread::send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
-  if (down()) {
-    ++statistics_.send_failed;
+  if ((downBuses() & can::busBit(frame.bus)) != 0) {
+    ++statistics_[frame.bus].send_failed;
     return can::SendResult::kDown;
   }
   frame.monotonic_ns = now_ns;
   frame.wall_ns = now_ns + wall_offset_ns_ + wall_step_ns_.load(std::memory_order_relaxed);
   if (!to_rig_.push(frame)) {
-    ++statistics_.send_failed;
+    ++statistics_[frame.bus].send_failed;
     return can::SendResult::kQueueFull;
   }
-  ++statistics_.frames_sent;
+  ++statistics_[frame.bus].frames_sent;
   return can::SendResult::kSent;
 }
 
 can::BusStatistics RigThread::statistics() const noexcept {
-  can::BusStatistics statistics = statistics_;
+  can::BusStatistics statistics = statistics_.total();
   statistics.receive_dropped = dropped_.load(std::memory_order_relaxed);
   return statistics;
 }

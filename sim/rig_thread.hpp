@@ -37,10 +37,13 @@ class RigThread final : public can::Bus {
   /// kQueueFull when the rig has fallen behind by as many frames as the ring holds.
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   /// True while the thread does not run, or the rig's script says so.
-  bool down() const noexcept override {
-    return !running_.load(std::memory_order_relaxed) || errors_.wasOff() || rig_.interfaceDown();
+  bool down() const noexcept override { return downBuses() != 0; }
+  can::BusSet downBuses() const noexcept override {
+    const bool running = running_.load(std::memory_order_relaxed);
+    return static_cast<can::BusSet>(running ? errors_.wasOff() | rig_.interfacesDown() : can::kAllBuses);
   }
   can::BusStatistics statistics() const noexcept override;
+  can::BusStatistics statisticsOf(std::size_t bus) const noexcept override { return statistics_[bus]; }
 
  private:
   void run() noexcept;
@@ -54,8 +57,8 @@ class RigThread final : public can::Bus {
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> running_{false};
   std::atomic<std::int64_t> wall_step_ns_{0};
-  can::BusStatistics statistics_;  // the loop thread's
-  can::ErrorMonitor errors_;       // likewise
+  can::BusCounters statistics_;  // the loop thread's
+  can::ErrorMonitor errors_;     // likewise
   std::thread thread_;
 };
 

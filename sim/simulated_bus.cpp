@@ -11,27 +11,27 @@ std::size_t SimulatedBus::receive(std::span<can::Frame> frames,
     can::Frame& frame = frames[count++];
     frame.wall_ns = frame.monotonic_ns + wall_offset_ns_ + rig_.wallStep_ns();
     frame.monotonic_ns = now_ns;
-    errors_.observe(frame, statistics_);
-    statistics_.frames_received += frame.error ? 0U : 1U;
+    errors_.observe(frame, statistics_[frame.bus]);
+    statistics_[frame.bus].frames_received += frame.error ? 0U : 1U;
   }
   return count;
 }
 
 can::SendResult SimulatedBus::send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
-  if (down()) {
-    ++statistics_.send_failed;
+  if ((downBuses() & can::busBit(frame.bus)) != 0) {
+    ++statistics_[frame.bus].send_failed;
     return can::SendResult::kDown;
   }
   frame.monotonic_ns = now_ns;
   frame.wall_ns = now_ns + wall_offset_ns_ + rig_.wallStep_ns();
   rig_.advance(now_ns);
   rig_.accept(frame);
-  ++statistics_.frames_sent;
+  ++statistics_[frame.bus].frames_sent;
   return can::SendResult::kSent;
 }
 
 can::BusStatistics SimulatedBus::statistics() const noexcept {
-  can::BusStatistics statistics = statistics_;
+  can::BusStatistics statistics = statistics_.total();
   statistics.receive_dropped = rig_.statistics().frames_dropped;
   return statistics;
 }

@@ -21,13 +21,17 @@ class SimulatedBus final : public can::Bus {
   std::size_t receive(std::span<can::Frame> frames,
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
-  bool down() const noexcept override { return errors_.wasOff() || rig_.interfaceDown(); }
+  bool down() const noexcept override { return downBuses() != 0; }
+  can::BusSet downBuses() const noexcept override {
+    return static_cast<can::BusSet>(errors_.wasOff() | rig_.interfacesDown());
+  }
   can::BusStatistics statistics() const noexcept override;
+  can::BusStatistics statisticsOf(std::size_t bus) const noexcept override { return statistics_[bus]; }
 
  private:
   Rig& rig_;
   std::int64_t wall_offset_ns_;
-  can::BusStatistics statistics_;
+  can::BusCounters statistics_;
   can::ErrorMonitor errors_;
 };
 

@@ -51,9 +51,11 @@ int mostBits(int bytes, bool extended, bool fd) noexcept {
 }
 
 BusLoad busLoad(const Database& database, const BusMap& map, std::span<const CommandMap> commands,
-                double rate_Hz) {
+                double rate_Hz, std::size_t bus) {
   BusLoad load;
-  const auto add = [&load](const Message& message, double frames_per_s) {
+  const auto add = [&load, bus](const Message& message, double frames_per_s) {
+    if (message.bus != bus)
+      return;
     load.frames_per_s += frames_per_s;
     load.bits_per_s += frames_per_s * mostBits(fdLength(message.length), message.extended, message.fd);
   };

@@ -1,6 +1,7 @@
 // How much of the bus the loop's messages take at most.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "drivers/can/bus_map.hpp"
@@ -22,8 +23,9 @@ struct BusLoad {
 
 /// The commands at the loop's rate, with the frames by which drives enter; the messages that are read, by the
 /// sensors' periods, else by the DBC's cycle time, else by the loop's rate. A multiplexed message counts once
-/// for each selection that is read. What only simulated rigs send, the truth, is left out.
+/// for each selection that is read. What only simulated rigs send, the truth, is left out. Of several buses,
+/// `bus` is the one that is asked for.
 BusLoad busLoad(const Database& database, const BusMap& map, std::span<const CommandMap> commands,
-                double rate_Hz);
+                double rate_Hz, std::size_t bus = 0);
 
 }  // namespace patella::can

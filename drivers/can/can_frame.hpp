@@ -2,11 +2,20 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace patella::can {
 
 inline constexpr int kMaxDataLength = 64;
+inline constexpr std::size_t kMaxBuses = 4;
+
+/// A bit for each bus, from bit 0.
+using BusSet = std::uint8_t;
+constexpr BusSet busBit(std::size_t bus) noexcept {
+  return static_cast<BusSet>(1U << bus);
+}
+inline constexpr BusSet kAllBuses = (1U << kMaxBuses) - 1U;
 
 struct Frame {
   std::uint32_t id = 0;   ///< 11 or 29 bits, without flags
@@ -17,6 +26,7 @@ struct Frame {
   bool remote = false;
   bool own = false;         ///< echo of a frame that this process sent
   std::uint8_t length = 0;  ///< bytes of data in use
+  std::uint8_t bus = 0;     ///< on which of the loop's buses it travels, from 0
   std::array<std::uint8_t, kMaxDataLength> data{};
   std::int64_t monotonic_ns =
       0;  ///< loop clock when the frame was taken off or put on the bus; staleness is judged by it

@@ -142,7 +142,7 @@ CommandEncoder::CommandEncoder(const Database& database, std::span<const Command
 }
 
 void CommandEncoder::note(const Frame& frame) {
-  const Identifier identifier{frame.id, frame.extended};
+  const Identifier identifier{frame.id, frame.extended, frame.bus};
   if (std::find(identifiers_.begin(), identifiers_.end(), identifier) == identifiers_.end()) {
     identifiers_.push_back(identifier);
   }
@@ -150,8 +150,8 @@ void CommandEncoder::note(const Frame& frame) {
 
 bool CommandEncoder::commands(const Frame& frame) const noexcept {
   return !frame.error && !frame.remote &&
-         std::find(identifiers_.begin(), identifiers_.end(), Identifier{frame.id, frame.extended}) !=
-             identifiers_.end();
+         std::find(identifiers_.begin(), identifiers_.end(),
+                   Identifier{frame.id, frame.extended, frame.bus}) != identifiers_.end();
 }
 
 std::vector<safety::DriveEntrySettings> CommandEncoder::entries() const {

@@ -91,6 +91,7 @@ class CommandEncoder {
   struct Identifier {
     std::uint32_t id = 0;
     bool extended = false;
+    std::uint8_t bus = 0;
     bool operator==(const Identifier&) const = default;
   };
   /// Without repetition.

@@ -52,6 +52,7 @@ struct Message {
   std::vector<std::string> senders;
   std::vector<Signal> signals;
   std::string comment;
+  std::uint8_t bus = 0;  ///< on which of the loop's buses it travels; not of the DBC
 
   const Signal* find(std::string_view signal) const noexcept;
 };

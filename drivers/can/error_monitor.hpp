@@ -16,17 +16,19 @@ inline constexpr std::uint32_t kErrorRestarted = 0x100;   ///< CAN_ERR_RESTARTED
 inline constexpr std::uint32_t kErrorsOfInterest =
     kErrorTxTimeout | kErrorController | kErrorBusOff | kErrorRestarted;
 
+/// Of all buses, which frames name.
 class ErrorMonitor {
  public:
   /// Called before the frames of a tick are taken.
-  void beginReceive() noexcept { reported_ = false; }
+  void beginReceive() noexcept { reported_ = 0; }
 
   /// Takes every frame received, error report or not. A data frame from another node proves the bus alive.
   void observe(const Frame& frame, BusStatistics& statistics) noexcept {
     if (frame.own)
       return;  // not from another node, nor from the controller
+    const BusSet bit = busBit(frame.bus);
     if (!frame.error) {
-      bus_off_ = false;
+      bus_off_ = static_cast<BusSet>(bus_off_ & ~bit);
       return;
     }
     constexpr unsigned kPassive = 0x30;  // CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE
@@ -35,21 +37,21 @@ class ErrorMonitor {
       ++statistics.error_passive;
     if ((frame.id & kErrorBusOff) != 0) {
       ++statistics.bus_off;
-      bus_off_ = true;
-      reported_ = true;
+      bus_off_ = static_cast<BusSet>(bus_off_ | bit);
+      reported_ = static_cast<BusSet>(reported_ | bit);
     }
     if ((frame.id & kErrorRestarted) != 0)
-      bus_off_ = false;
+      bus_off_ = static_cast<BusSet>(bus_off_ & ~bit);
   }
 
-  bool busOff() const noexcept { return bus_off_; }
+  bool busOff() const noexcept { return bus_off_ != 0; }
   /// Off now, or at any time since beginReceive(): what was queued when the controller left the bus is lost,
   /// even if other nodes are heard again within the same tick.
-  bool wasOff() const noexcept { return bus_off_ || reported_; }
+  BusSet wasOff() const noexcept { return static_cast<BusSet>(bus_off_ | reported_); }
 
  private:
-  bool bus_off_ = false;
-  bool reported_ = false;
+  BusSet bus_off_ = 0;
+  BusSet reported_ = 0;
 };
 
 }  // namespace patella::can

@@ -104,6 +104,7 @@ void MeasurementDecoder::bind(const Database& database, const BusMap& map, const
 
   try {
     BoundMessage& message = boundMessage(database, map, binding.message);
+    buses_[static_cast<std::size_t>(input)][index] = message.decoder.layout().bus();
     message.inputs.push_back({input, static_cast<std::uint8_t>(index), message.decoder.slot(binding.signal),
                               binding.scale, binding.offset, binding.good, binding.mask});
     message.groups[group] = true;
@@ -363,42 +364,45 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const Frame& fr
 }
 
 // Input by input: one part of a multiplexed message may be missing while the others come.
-bool MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const noexcept {
+BusSet MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const noexcept {
+  BusSet buses = 0;
   for (std::size_t input = 0; input < kInputCount; ++input) {
     if (kInputKinds[input].group != group)
       continue;
     for (std::size_t i = 0; i < kMaxIndex; ++i) {
       if (seen_[input][i] && now_ns - stored_ns_[input][i] > timeouts_ns_[group])
-        return true;
+        buses = static_cast<BusSet>(buses | busBit(buses_[input][i]));
     }
   }
-  return false;
+  return buses;
 }
 
 Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   measurement_.encoder_steps = encoder_samples_.take();
   measurement_.emg_steps = emg_samples_.take();
   Reading reading;
-  if (stale(kEncoderGroup, now_ns))
-    reading.faults.add(safety::Fault::kEncoderStale);
-  if (stale(kDriveGroup, now_ns))
-    reading.faults.add(safety::Fault::kDriveStale);
-  if (stale(kEmgGroup, now_ns))
-    reading.faults.add(safety::Fault::kEmgStale);
-  if (stale(kOperatorGroup, now_ns)) {
+  const auto fault = [&reading](safety::Fault what, BusSet buses) {
+    if (buses != 0)
+      reading.faults.add(what);
+    reading.fault_buses = static_cast<BusSet>(reading.fault_buses | buses);
+  };
+  fault(safety::Fault::kEncoderStale, stale(kEncoderGroup, now_ns));
+  fault(safety::Fault::kDriveStale, stale(kDriveGroup, now_ns));
+  fault(safety::Fault::kEmgStale, stale(kEmgGroup, now_ns));
+  if (stale(kOperatorGroup, now_ns) != 0) {
     enable_stuck_ = reset_stuck_ = true;
     measurement_.operator_enable = measurement_.operator_reset = false;
   }
   if (drive_reports_.finish(measurement_))
     reading.faults.add(safety::Fault::kDriveFault);
   for (const BoundMessage& message : messages_) {
+    const BusSet bus = busBit(message.decoder.layout().bus());
     if (message.corrupt.tooMany(tolerated_))
-      reading.faults.add(safety::Fault::kFrameCorrupt);
+      fault(safety::Fault::kFrameCorrupt, bus);
     if (message.sequence.tooMany(tolerated_))
-      reading.faults.add(safety::Fault::kFrameSequence);
-    if (message.groups[kEncoderGroup] && message.implausible.tooMany(tolerated_)) {
-      reading.faults.add(safety::Fault::kEncoderImplausible);
-    }
+      fault(safety::Fault::kFrameSequence, bus);
+    if (message.groups[kEncoderGroup] && message.implausible.tooMany(tolerated_))
+      fault(safety::Fault::kEncoderImplausible, bus);
   }
   reading.complete = true;
   for (std::size_t input = 0; input < kInputCount; ++input) {

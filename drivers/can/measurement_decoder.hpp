@@ -38,7 +38,8 @@ struct MessageStatistics {
 struct Reading {
   Measurement measurement;
   safety::FaultSet faults;
-  bool complete = false;  ///< every bound input has been seen, but for those that are only recorded
+  BusSet fault_buses = 0;  ///< on which something is missing or damaged, as the faults say
+  bool complete = false;   ///< every bound input has been seen, but for those that are only recorded
 };
 
 /// Inputs that can be bound: position_rad.J (required for each joint), velocity_rad_s.J and drive_torque_Nm.J
@@ -128,7 +129,7 @@ class MeasurementDecoder {
     return samples_[static_cast<std::size_t>(input.input)][input.index].number;
   }
   static bool judge(const BoundInput& input, double value) noexcept;
-  bool stale(InputGroup group, std::int64_t now_ns) const noexcept;
+  BusSet stale(InputGroup group, std::int64_t now_ns) const noexcept;
 
   int joints_;
   std::array<std::int64_t, kInputGroupCount> timeouts_ns_{};
@@ -139,6 +140,7 @@ class MeasurementDecoder {
   std::vector<BoundMessage> messages_;
   std::array<std::array<bool, kMaxIndex>, kInputCount> bound_{};
   std::array<std::array<bool, kMaxIndex>, kInputCount> seen_{};
+  std::array<std::array<std::uint8_t, kMaxIndex>, kInputCount> buses_{};  ///< on which it comes
   std::array<std::array<std::int64_t, kMaxIndex>, kInputCount> stored_ns_{};
   struct Sample {
     std::int64_t number = 0;

@@ -67,6 +67,7 @@ Frame CompiledMessage::blank() const noexcept {
   Frame frame;
   frame.id = id_;
   frame.extended = extended_;
+  frame.bus = message_.bus;
   frame.fd = message_.fd;
   frame.bit_rate_switch = message_.bit_rate_switch;
   frame.length = static_cast<std::uint8_t>(fdLength(message_.length));

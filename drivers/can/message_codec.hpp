@@ -37,7 +37,8 @@ class CompiledMessage {
   std::size_t slot(std::string_view signal);
 
   bool matches(const Frame& frame) const noexcept {
-    return frame.id == id_ && frame.extended == extended_ && !frame.error && !frame.remote;
+    return frame.id == id_ && frame.extended == extended_ && frame.bus == message_.bus && !frame.error &&
+           !frame.remote;
   }
   const CompiledSignal& signal(std::size_t slot) const noexcept { return signals_[slot]; }
   const std::vector<CompiledSignal>& signals() const noexcept { return signals_; }
@@ -47,6 +48,7 @@ class CompiledMessage {
   const std::string& name() const noexcept { return message_.name; }
   std::uint32_t id() const noexcept { return id_; }
   bool extended() const noexcept { return extended_; }
+  std::uint8_t bus() const noexcept { return message_.bus; }
   const std::optional<CompiledSignal>& counter() const noexcept { return counter_; }
   int counterBits() const noexcept { return counter_bits_; }
   const std::optional<CompiledSignal>& crc() const noexcept { return crc_; }

@@ -1,7 +1,9 @@
 #include "drivers/can/replay_bus.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/stamp_order.hpp"
@@ -24,7 +26,7 @@ std::string stampText(std::int64_t wall_ns) {
 }
 
 bool sameIdentifier(const Frame& a, const Frame& b) noexcept {
-  return a.id == b.id && a.extended == b.extended;
+  return a.id == b.id && a.extended == b.extended && a.bus == b.bus;
 }
 
 bool sameContent(const Frame& a, const Frame& b) noexcept {
@@ -32,7 +34,22 @@ bool sameContent(const Frame& a, const Frame& b) noexcept {
          std::equal(a.data.begin(), a.data.begin() + a.length, b.data.begin());
 }
 
-enum class Role : std::uint8_t { kReceived, kSent, kClosing };
+// Of one bus, whatever its interface was called; of several, by name.
+std::uint8_t busOf(const std::string& interface, const std::vector<std::string>& interfaces,
+                   const std::string& place) {
+  if (interfaces.size() <= 1)
+    return 0;
+  const auto found = std::find(interfaces.begin(), interfaces.end(), interface);
+  if (found != interfaces.end())
+    return static_cast<std::uint8_t>(found - interfaces.begin());
+  std::string known;
+  for (const std::string& name : interfaces)
+    known += (known.empty() ? "" : ", ") + name;
+  throw LogError(place + ": a frame of interface '" + interface +
+                 "', expected one of the configuration's: " + known);
+}
+
+enum class Role : std::uint8_t { kReceived, kSent, kCommand, kClosing };
 
 Role roleOf(const Frame& frame, const ReplayOptions& options) {
   if (frame.error || frame.remote)
@@ -40,12 +57,38 @@ Role roleOf(const Frame& frame, const ReplayOptions& options) {
   const auto same = [&frame](const Frame& known) { return sameContent(frame, known); };
   if (std::any_of(options.fixed_frames.begin(), options.fixed_frames.end(), same))
     return Role::kSent;
-  if (options.command_id == frame.id && options.command_extended == frame.extended)
+  if (options.command_id == frame.id && options.command_extended == frame.extended &&
+      options.command_bus == frame.bus)
     return Role::kClosing;
   const auto known = [&frame](const Frame& sent) { return sameIdentifier(frame, sent); };
-  return std::any_of(options.also_sent.begin(), options.also_sent.end(), known) ? Role::kSent
+  return std::any_of(options.also_sent.begin(), options.also_sent.end(), known) ? Role::kCommand
                                                                                 : Role::kReceived;
 }
+
+// Where a tick ended whose last command was lost, as that of a bus that is down: before the first frame that
+// came after another drive's command. It shows once a tick begins anew with such a command.
+class LostEnds {
+ public:
+  struct End {
+    std::size_t command = 0, frames = 0;
+  };
+  /// Commands and frames so far, before this one. Returns the end that shows.
+  std::optional<End> follow(Role role, std::size_t commands, std::size_t frames) {
+    std::optional<End> shown;
+    if (role == Role::kReceived && open_ && !end_)
+      end_ = End{commands - 1, frames};
+    if (role == Role::kCommand)
+      shown = std::exchange(end_, std::nullopt);
+    if (role == Role::kClosing)
+      end_.reset();
+    open_ = role == Role::kCommand || (open_ && role != Role::kClosing);
+    return shown;
+  }
+
+ private:
+  bool open_ = false;  ///< there was a command since a tick's last one
+  std::optional<End> end_;
+};
 
 }  // namespace
 
@@ -54,9 +97,16 @@ ReplayBus::ReplayBus(const std::filesystem::path& file, const ReplayOptions& opt
   LogEntry entry;
   StampOrder stamps;
   Role last = Role::kReceived;
+  LostEnds lost;
   while (reader.next(entry)) {
+    entry.frame.bus =
+        busOf(entry.interface, options.interfaces, file.string() + ":" + std::to_string(reader.line()));
     last = roleOf(entry.frame, options);
     stamps.follow(reader.line(), entry.frame.wall_ns);
+    if (const auto end = lost.follow(last, commands_.size(), frames_.size())) {
+      closing_.push_back(end->command);
+      tick_end_.push_back(end->frames);
+    }
     if (last == Role::kClosing) {
       closing_.push_back(commands_.size());
       tick_end_.push_back(frames_.size());
@@ -99,9 +149,9 @@ std::size_t ReplayBus::deliver(std::span<Frame> frames, std::size_t end, std::in
     Frame& frame = frames[i];
     frame = frames_[next_frame_++];
     frame.monotonic_ns = hasCommands() ? now_ns : *start_ns_ + frame.wall_ns - frames_.front().wall_ns;
-    errors_.observe(frame, statistics_);
+    errors_.observe(frame, statistics_[frame.bus]);
     if (!frame.error && !frame.own)
-      ++statistics_.frames_received;
+      ++statistics_[frame.bus].frames_received;
   }
   return count;
 }
@@ -129,7 +179,7 @@ std::size_t ReplayBus::receive(std::span<Frame> frames, std::int64_t now_ns) noe
 }
 
 SendResult ReplayBus::send(Frame& frame, std::int64_t now_ns) noexcept {
-  ++statistics_.frames_sent;
+  ++statistics_[frame.bus].frames_sent;
   frame.monotonic_ns = now_ns;
   if (next_command_ >= commands_.size()) {
     const Frame& first = frames_.empty() ? commands_.front() : frames_.front();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "drivers/can/bus.hpp"
@@ -18,6 +19,9 @@ struct ReplayOptions {
   /// recorded by the loop.
   std::optional<std::uint32_t> command_id;
   bool command_extended = false;
+  std::uint8_t command_bus = 0;
+  /// Of each bus, by its number: frames are told apart by them. One or none: all frames are of one bus.
+  std::vector<std::string> interfaces{};
   /// What else the loop sends: by identifier; and by identifier and data, frames that may have the command's
   /// own.
   std::vector<Frame> also_sent{};
@@ -29,7 +33,8 @@ struct ReplayOptions {
 
 /// Plays what `candump -l` recorded.
 ///
-/// In a log of the loop's own, each torque command, of several the last, closes a tick: a tick is given the
+/// In a log of the loop's own, each torque command, of several the last, closes a tick, or where that one was
+/// lost, another: a tick is given the
 /// frames between two commands in their order, however the clocks ran then or run now, so that replaying
 /// repeats the recorded computation exactly. Commands are not delivered; what is sent is compared with them,
 /// the n-th with the n-th. Frames are stamped with the tick's time on the loop clock.
@@ -47,9 +52,11 @@ class ReplayBus final : public Bus {
   /// Stamps the frame with `now_ns` and the recorded command's wall stamp.
   SendResult send(Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   /// As the recorded error reports say.
-  bool down() const noexcept override { return errors_.wasOff(); }
+  bool down() const noexcept override { return errors_.wasOff() != 0; }
+  BusSet downBuses() const noexcept override { return errors_.wasOff(); }
   bool exhausted() const noexcept override;
-  BusStatistics statistics() const noexcept override { return statistics_; }
+  BusStatistics statistics() const noexcept override { return statistics_.total(); }
+  BusStatistics statisticsOf(std::size_t bus) const noexcept override { return statistics_[bus]; }
 
   /// True where the log's ticks are those of its commands.
   bool hasCommands() const noexcept { return !closing_.empty(); }
@@ -81,7 +88,7 @@ class ReplayBus final : public Bus {
   std::uint64_t command_mismatches_ = 0;
   std::optional<std::size_t> first_mismatch_;
   ErrorMonitor errors_;
-  BusStatistics statistics_;
+  BusCounters statistics_;
 };
 
 }  // namespace patella::can

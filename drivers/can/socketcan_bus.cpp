@@ -306,7 +306,7 @@ SendResult SocketCanBus::send(Frame& frame, std::int64_t now_ns) noexcept {
 }
 
 bool SocketCanBus::down() const noexcept {
-  return state_->interface_down || state_->errors.wasOff();
+  return state_->interface_down || state_->errors.wasOff() != 0;
 }
 
 BusStatistics SocketCanBus::statistics() const noexcept {

@@ -28,6 +28,7 @@ struct NetworkSettings {
 struct DriveSettings {
   int joint = 0;  ///< from 0
   int node = 1;
+  std::uint8_t bus = 0;                   ///< of the loop's buses, from 0
   double rated_torque_Nm = 0.0;           ///< of the motor, before its gear
   double rated_torque_unit_Nm = 0.001;    ///< of 6076h, which makers read differently
   double gear = 1.0;                      ///< turns of the motor for one of the joint

@@ -15,12 +15,23 @@ DriveNodes::DriveNodes(const CanopenMap& map, double period_s)
     : timeout_ns_(std::llround(1e9 * map.network.node_heartbeat_timeout_s)),
       ticks_per_heartbeat_(
           std::max(static_cast<int>(std::floor(map.network.heartbeat_period_s / period_s + 1e-6)), 1)),
-      master_node_(map.network.master_node),
-      cycle_{syncFrame(), heartbeatFrame(map.network.master_node)} {
+      master_node_(map.network.master_node) {
+  const auto on = [](std::size_t bus, can::Frame frame) {
+    frame.bus = static_cast<std::uint8_t>(bus);
+    return frame;
+  };
   for (const DriveSettings& drive : map.drives) {
-    nodes_.push_back({.node = drive.node, .joint = static_cast<std::size_t>(drive.joint)});
-    farewell_.push_back(downloadFrame(drive.node, {0x1016, 1, 4, 0}));
-    farewell_.push_back(nmtFrame(NmtCommand::kPreOperational, drive.node));
+    nodes_.push_back({.node = drive.node, .bus = drive.bus, .joint = static_cast<std::size_t>(drive.joint)});
+    buses_ = static_cast<can::BusSet>(buses_ | can::busBit(drive.bus));
+    farewell_.push_back(on(drive.bus, downloadFrame(drive.node, {0x1016, 1, 4, 0})));
+    farewell_.push_back(on(drive.bus, nmtFrame(NmtCommand::kPreOperational, drive.node)));
+  }
+  for (const can::Frame& frame : {syncFrame(), heartbeatFrame(master_node_)}) {
+    for (std::size_t bus = 0; bus < can::kMaxBuses; ++bus) {
+      if ((buses_ & can::busBit(bus)) != 0) {
+        cycle_.push_back(on(bus, frame));
+      }
+    }
   }
 }
 
@@ -29,6 +40,9 @@ void DriveNodes::accept(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
     return;
   }
   for (Node& node : nodes_) {
+    if (frame.bus != node.bus) {
+      continue;
+    }
     if (frame.id == reportId(node.node) && frame.length >= 2) {
       node.status_word = static_cast<std::uint16_t>(readLittleEndian(frame, 0, 2));
       node.has_status = true;
@@ -57,7 +71,7 @@ void DriveNodes::hearEmergency(Node& node, const can::Frame& frame) noexcept {
     node.error = 0;  // an error that has gone
     return;
   }
-  emergency_ = true;
+  emergencies_ = static_cast<can::BusSet>(emergencies_ | can::busBit(node.bus));
   note(node, NoticeKind::kEmergency, code, frame.data[2]);
 }
 
@@ -71,11 +85,11 @@ void DriveNodes::note(const Node& node, NoticeKind kind, std::uint16_t code,
 }
 
 bool DriveNodes::reserved(const can::Frame& frame) const noexcept PATELLA_NONBLOCKING {
-  if (!any() || !isStandard(frame)) {
+  if ((buses_ & can::busBit(frame.bus)) == 0 || !isStandard(frame)) {
     return false;
   }
   const bool request = std::any_of(nodes_.begin(), nodes_.end(), [&frame](const Node& node) {
-    return frame.id == sdoRequestId(node.node);
+    return frame.bus == node.bus && frame.id == sdoRequestId(node.node);
   });
   return request || frame.id == kNmtId || frame.id == kSyncId || frame.id == heartbeatId(master_node_);
 }
@@ -83,6 +97,7 @@ bool DriveNodes::reserved(const can::Frame& frame) const noexcept PATELLA_NONBLO
 safety::FaultSet DriveNodes::finish(std::int64_t now_ns,
                                     Measurement& measurement) noexcept PATELLA_NONBLOCKING {
   safety::FaultSet faults;
+  fault_buses_ = emergencies_;
   for (Node& node : nodes_) {
     if (node.heard || !started_) {
       node.heard_ns = now_ns;
@@ -95,13 +110,14 @@ safety::FaultSet DriveNodes::finish(std::int64_t now_ns,
     node.silent = silent;
     if (silent || node.needs_set_up) {
       faults.add(safety::Fault::kDriveOffline);
+      fault_buses_ = static_cast<can::BusSet>(fault_buses_ | can::busBit(node.bus));
     }
     measurement.drive_error[node.joint] = node.error;
   }
-  if (emergency_) {
+  if (emergencies_ != 0) {
     faults.add(safety::Fault::kDriveEmergency);
   }
-  emergency_ = false;
+  emergencies_ = 0;
   started_ = true;
   notices_ = noticed_;
   noticed_ = {};
@@ -126,20 +142,22 @@ std::span<const can::Frame> DriveNodes::cycle() noexcept PATELLA_NONBLOCKING {
   }
   const bool due = ticks_to_heartbeat_ == 0;
   ticks_to_heartbeat_ = due ? ticks_per_heartbeat_ - 1 : ticks_to_heartbeat_ - 1;
-  return std::span<const can::Frame>(cycle_).first(due ? 2 : 1);
+  return std::span<const can::Frame>(cycle_).first(due ? cycle_.size() : cycle_.size() / 2);
 }
 
-void addCycleLoad(const CanopenMap& map, double rate_Hz, can::BusLoad& load) {
+void addCycleLoad(const CanopenMap& map, double rate_Hz, can::BusLoad& load, std::size_t bus) {
   const auto add = [&load](int bytes, double frames_per_s) {
     load.frames_per_s += frames_per_s;
     load.bits_per_s += frames_per_s * can::mostBits(bytes, false, false);
   };
-  if (!map.any()) {
+  const auto nodes = std::count_if(map.drives.begin(), map.drives.end(),
+                                   [bus](const DriveSettings& drive) { return drive.bus == bus; });
+  if (nodes == 0) {
     return;
   }
   add(0, rate_Hz);
   add(1, 1.0 / map.network.heartbeat_period_s);
-  add(1, static_cast<double>(map.drives.size()) / map.network.node_heartbeat_period_s);
+  add(1, static_cast<double>(nodes) / map.network.node_heartbeat_period_s);
 }
 
 }  // namespace patella::canopen

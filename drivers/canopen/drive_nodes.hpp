@@ -38,6 +38,8 @@ class DriveNodes {
   /// is missing, and for good once a node has started anew or left operational: what the set-up wrote is gone
   /// then. The newest code of an emergency becomes the joint's drive_error.
   safety::FaultSet finish(std::int64_t now_ns, Measurement& measurement) noexcept PATELLA_NONBLOCKING;
+  /// Buses of the nodes that those faults are about.
+  can::BusSet faultBuses() const noexcept { return fault_buses_; }
   /// Of the tick that finish() ended.
   const NodeNotices& notices() const noexcept { return notices_; }
 
@@ -46,16 +48,18 @@ class DriveNodes {
   std::uint16_t controlword(int node, safety::DrivePhase phase,
                             safety::DriveFrames frames) const noexcept PATELLA_NONBLOCKING;
 
-  /// What follows the commands of a tick: SYNC, and the heartbeat where it is due.
+  /// What follows the commands of a tick, on each bus that has nodes: SYNC, and the heartbeat where it is
+  /// due.
   std::span<const can::Frame> cycle() noexcept PATELLA_NONBLOCKING;
   /// After the last command: the drives no longer miss the loop's heartbeat, and fall silent.
   std::span<const can::Frame> farewell() const noexcept PATELLA_NONBLOCKING { return farewell_; }
   /// SYNC and heartbeat.
-  const std::array<can::Frame, 2>& cycleFrames() const noexcept { return cycle_; }
+  const std::vector<can::Frame>& cycleFrames() const noexcept { return cycle_; }
 
  private:
   struct Node {
     int node = 0;
+    std::uint8_t bus = 0;
     std::size_t joint = 0;
     std::uint16_t status_word = 0;
     bool has_status = false;
@@ -76,14 +80,16 @@ class DriveNodes {
   int ticks_to_heartbeat_ = 0;
   int master_node_;
   bool started_ = false;
-  bool emergency_ = false;  ///< heard in this tick
-  std::array<can::Frame, 2> cycle_;
+  can::BusSet emergencies_ = 0;  ///< heard in this tick
+  can::BusSet fault_buses_ = 0;
+  can::BusSet buses_ = 0;          ///< with nodes on them
+  std::vector<can::Frame> cycle_;  ///< SYNC of each bus, then the heartbeats
   std::vector<can::Frame> farewell_;
   NodeNotices noticed_{};  ///< since finish()
   NodeNotices notices_{};
 };
 
 /// SYNC and heartbeats, the commands and reports themselves being messages of the bus map.
-void addCycleLoad(const CanopenMap& map, double rate_Hz, can::BusLoad& load);
+void addCycleLoad(const CanopenMap& map, double rate_Hz, can::BusLoad& load, std::size_t bus = 0);
 
 }  // namespace patella::canopen

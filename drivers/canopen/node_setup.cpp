@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "drivers/can/bus_group.hpp"
 #include "drivers/canopen/frame_wait.hpp"
 #include "drivers/canopen/hexadecimal.hpp"
 #include "drivers/canopen/network_frames.hpp"
@@ -38,10 +39,11 @@ std::string shortNumber(double value) {
   return text.ends_with('.') ? text.substr(0, text.size() - 1) : text;
 }
 
-void send(can::Bus& bus, Clock& clock, const can::Frame& frame, int node) {
-  can::Frame sent = frame;
+void send(can::Bus& bus, Clock& clock, NmtCommand command, const DriveSettings& drive) {
+  can::Frame sent = nmtFrame(command, drive.node);
+  sent.bus = drive.bus;
   if (bus.send(sent, clock.now()) != can::SendResult::kSent) {
-    throw NodeError("node " + std::to_string(node) +
+    throw NodeError("node " + std::to_string(drive.node) +
                     ": a frame of network management could not be sent: the interface is down, or nobody "
                     "acknowledges on the bus");
   }
@@ -171,13 +173,14 @@ std::uint32_t milliseconds(double seconds) noexcept {
   return static_cast<std::uint32_t>(std::max(std::lround(1e3 * seconds), 1L));
 }
 
-NodeIdentity setUpNode(can::Bus& bus, Clock& clock, const NetworkSettings& network,
+NodeIdentity setUpNode(can::Bus& buses, Clock& clock, const NetworkSettings& network,
                        const DriveSettings& drive, const InterpolationTime& time) {
+  can::OneOfBuses bus(buses, drive.bus);
   SdoClient sdo(bus, clock, drive.node);
   for (const ObjectValue& parameter : drive.parameters) {
     sdo.write(parameter);
   }
-  const NodeIdentity identity = askNode(bus, clock, drive);
+  const NodeIdentity identity = askNode(buses, clock, drive);
   sdo.write({0x6040, 0, 2, 0});  // whatever a run before has left
   sdo.write({0x6071, 0, 2, 0});
   setUpPdos(sdo);
@@ -190,7 +193,9 @@ NodeIdentity setUpNode(can::Bus& bus, Clock& clock, const NetworkSettings& netwo
   return identity;
 }
 
-void awaitOperational(can::Bus& bus, Clock& clock, int node) {
+void awaitOperational(can::Bus& buses, Clock& clock, const DriveSettings& drive) {
+  const int node = drive.node;
+  can::OneOfBuses bus(buses, drive.bus);
   std::uint8_t state = 0xFF;
   const auto take = [&](const can::Frame& frame) {
     if (!isStandard(frame) || frame.id != heartbeatId(node) || frame.length < 1) {
@@ -230,7 +235,8 @@ InterpolationTime interpolationTime(double period_s) {
                               "CiA 402 drives can be told (60C2h)");
 }
 
-NodeIdentity askNode(can::Bus& bus, Clock& clock, const DriveSettings& drive) {
+NodeIdentity askNode(can::Bus& buses, Clock& clock, const DriveSettings& drive) {
+  can::OneOfBuses bus(buses, drive.bus);
   SdoClient sdo(bus, clock, drive.node);
   NodeIdentity identity;
   identity.node = drive.node;
@@ -263,21 +269,21 @@ NodeIdentity askNode(can::Bus& bus, Clock& clock, const DriveSettings& drive) {
   return identity;
 }
 
-std::vector<NodeIdentity> setUpNodes(can::Bus& bus, Clock& clock, const CanopenMap& map, double period_s) {
+std::vector<NodeIdentity> setUpNodes(can::Bus& buses, Clock& clock, const CanopenMap& map, double period_s) {
   const InterpolationTime time = interpolationTime(period_s);
   for (const DriveSettings& drive : map.drives) {
-    send(bus, clock, nmtFrame(NmtCommand::kPreOperational, drive.node), drive.node);
+    send(buses, clock, NmtCommand::kPreOperational, drive);
   }
   std::vector<NodeIdentity> identities;
   for (const DriveSettings& drive : map.drives) {
-    identities.push_back(setUpNode(bus, clock, map.network, drive, time));
+    identities.push_back(setUpNode(buses, clock, map.network, drive, time));
   }
   // All of them at the end: the first would wait for its SYNC while the last is still set up.
   for (const DriveSettings& drive : map.drives) {
-    send(bus, clock, nmtFrame(NmtCommand::kStart, drive.node), drive.node);
+    send(buses, clock, NmtCommand::kStart, drive);
   }
   for (const DriveSettings& drive : map.drives) {
-    awaitOperational(bus, clock, drive.node);
+    awaitOperational(buses, clock, drive);
   }
   return identities;
 }

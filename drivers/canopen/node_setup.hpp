@@ -34,10 +34,10 @@ InterpolationTime interpolationTime(double period_s);
 
 /// Reads, and changes nothing: device type, identity, modes and rated torque are those of a drive that can be
 /// used as configured, or NodeError says what is not.
-NodeIdentity askNode(can::Bus& bus, Clock& clock, const DriveSettings& drive);
+NodeIdentity askNode(can::Bus& buses, Clock& clock, const DriveSettings& drive);
 
 /// Sets every drive up for a SYNC each period and starts it: parameters of its DCF, PDOs, mode, heartbeats. A
 /// drive holds no torque and no enable then. Throws NodeError naming node and object.
-std::vector<NodeIdentity> setUpNodes(can::Bus& bus, Clock& clock, const CanopenMap& map, double period_s);
+std::vector<NodeIdentity> setUpNodes(can::Bus& buses, Clock& clock, const CanopenMap& map, double period_s);
 
 }  // namespace patella::canopen

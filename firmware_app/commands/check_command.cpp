@@ -1,11 +1,16 @@
 #include "firmware_app/commands/check_command.hpp"
 
+#include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "drivers/can/binding_check.hpp"
+#include "drivers/can/bus_group.hpp"
 #include "drivers/can/bus_load.hpp"
 #include "drivers/can/socketcan_bus.hpp"
 #include "drivers/canopen/drive_nodes.hpp"
@@ -27,20 +32,24 @@ void line(bool ok, bool required, const std::string& name, const std::string& te
 /// Share of the bus from which on frames of low priority wait.
 constexpr double kBusyShare = 0.7;
 
-void tellBusLoad(const RunConfig& config) {
+void tellBusLoad(const RunConfig& config, std::size_t bus) {
   can::BusLoad load =
-      can::busLoad(config.bus.database, config.bus.map, config.bus.commands, config.loop.rate_Hz);
-  canopen::addCycleLoad(config.bus.canopen, config.loop.rate_Hz, load);
+      can::busLoad(config.bus.database, config.bus.map, config.bus.commands, config.loop.rate_Hz, bus);
+  canopen::addCycleLoad(config.bus.canopen, config.loop.rate_Hz, load, bus);
+  const BusSettings& settings = config.buses[bus];
+  const std::string which =
+      settings.name.empty() ? "" : fmt::format("{} on {}: ", settings.name, settings.interface);
   constexpr double kUsualBitrate = 1e6;
-  const bool stated = config.can_bitrate > 0;
-  const double bitrate = stated ? config.can_bitrate : kUsualBitrate;
+  const bool stated = settings.bitrate > 0;
+  const double bitrate = stated ? settings.bitrate : kUsualBitrate;
   const double share = load.bits_per_s / bitrate;
-  line(share <= kBusyShare, false, "bus load",
-       fmt::format("{:.0f} frames a second, at most {:.0f} bits a period of {:.3g} ms: {:.0f} % of {}{:.3g} "
-                   "Mbit/s{}",
-                   load.frames_per_s, load.bits_per_s / config.loop.rate_Hz, 1e3 / config.loop.rate_Hz,
-                   100.0 * share, stated ? "" : "an assumed ", bitrate / 1e6,
-                   share > 1.0 ? ", which is more than it carries" : ""));
+  line(
+      share <= kBusyShare, false, "bus load",
+      fmt::format("{}{:.0f} frames a second, at most {:.0f} bits a period of {:.3g} ms: {:.0f} % of {}{:.3g} "
+                  "Mbit/s{}",
+                  which, load.frames_per_s, load.bits_per_s / config.loop.rate_Hz, 1e3 / config.loop.rate_Hz,
+                  100.0 * share, stated ? "" : "an assumed ", bitrate / 1e6,
+                  share > 1.0 ? ", which is more than it carries" : ""));
 }
 
 void tellDrives(const RunConfig& config) {
@@ -71,9 +80,13 @@ void askNodes(const RunConfig& config) {
     throw std::invalid_argument("--nodes: the bus map has no [[cia402]], expected one with CANopen drives");
   }
   if (config.backend.kind == BackendKind::kCan) {
-    can::SocketCanBus bus(config.backend.target);
+    std::vector<std::unique_ptr<can::Bus>> interfaces;
+    for (const BusSettings& bus : config.buses) {
+      interfaces.push_back(std::make_unique<can::SocketCanBus>(bus.interface));
+    }
+    can::BusGroup buses(std::move(interfaces));
     MonotonicClock clock;
-    tellNodes(config, bus, clock);
+    tellNodes(config, buses, clock);
   } else if (config.backend.kind == BackendKind::kSim) {
     const auto rig = makeRig(config);
     VirtualClock clock;
@@ -118,7 +131,9 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
     makeRig(config);
   }
   if (config.rehearsal && config.backend.kind == BackendKind::kCan) {
-    requireVirtual(config.backend.target);
+    for (const BusSettings& bus : config.buses) {
+      requireVirtual(bus.interface);
+    }
   }
   fmt::print("configuration\n");
   line(true, true, "configuration", config.path.string());
@@ -137,7 +152,9 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   if (ask_nodes) {
     askNodes(config);
   }
-  tellBusLoad(config);
+  for (std::size_t bus = 0; bus < config.buses.size(); ++bus) {
+    tellBusLoad(config, bus);
+  }
   tellStability(config);
   requireStable(config);
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
@@ -153,9 +170,10 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   HostNeeds needs;
   needs.priority = config.realtime.priority;
   needs.cpus = config.realtime.cpus;
-  needs.bitrate = config.can_bitrate;
   if (config.backend.kind == BackendKind::kCan) {
-    needs.can_interface = config.backend.target;
+    for (const BusSettings& bus : config.buses) {
+      needs.can.push_back({.interface = bus.interface, .bitrate = bus.bitrate});
+    }
     needs.gpio_chip = config.gpio ? gpio::chipPath(config.gpio->chip) : "";
   }
   fmt::print("host\n");

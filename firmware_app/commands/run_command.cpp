@@ -9,11 +9,14 @@
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "drivers/can/bus_group.hpp"
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/can/replay_bus.hpp"
@@ -65,11 +68,13 @@ struct BusBackend {
   std::unique_ptr<can::Bus> bus;
   sim::RigThread* rig_thread = nullptr;
   const can::ReplayBus* replay = nullptr;
-  std::string channel = "sim0";
 };
 
 can::ReplayOptions replayOptions(const RunConfig& config, const can::CommandEncoder& encoder) {
   can::ReplayOptions options;
+  for (const BusSettings& bus : config.buses) {
+    options.interfaces.push_back(bus.interface);
+  }
   options.farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames);
   const canopen::DriveNodes nodes(config.bus.canopen);
   if (nodes.any()) {
@@ -80,6 +85,7 @@ can::ReplayOptions replayOptions(const RunConfig& config, const can::CommandEnco
     const can::DriveCommand& command = encoder.drive(drive);
     options.command_id = command.layout().id();
     options.command_extended = command.layout().extended();
+    options.command_bus = command.layout().bus();
     options.also_sent.push_back(command.layout().blank());
     for (const auto which :
          {safety::DriveFrames::kEnter, safety::DriveFrames::kLeave, safety::DriveFrames::kClear}) {
@@ -90,15 +96,30 @@ can::ReplayOptions replayOptions(const RunConfig& config, const can::CommandEnco
   return options;
 }
 
+std::unique_ptr<can::Bus> openInterfaces(const RunConfig& config) {
+  std::vector<std::unique_ptr<can::Bus>> buses;
+  for (const BusSettings& bus : config.buses) {
+    if (config.rehearsal) {
+      requireVirtual(bus.interface);
+    }
+    buses.push_back(std::make_unique<can::SocketCanBus>(bus.interface));
+  }
+  return buses.size() == 1 ? std::move(buses.front()) : std::make_unique<can::BusGroup>(std::move(buses));
+}
+
+std::vector<RecordedBus> recordedBuses(const RunConfig& config) {
+  std::vector<RecordedBus> buses;
+  for (const BusSettings& bus : config.buses) {
+    buses.push_back({.interface = bus.interface, .name = bus.name});
+  }
+  return buses;
+}
+
 BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, Clock& clock) {
   BusBackend backend;
   switch (config.backend.kind) {
     case BackendKind::kCan:
-      if (config.rehearsal) {
-        requireVirtual(config.backend.target);
-      }
-      backend.bus = std::make_unique<can::SocketCanBus>(config.backend.target);
-      backend.channel = config.backend.target;
+      backend.bus = openInterfaces(config);
       break;
     case BackendKind::kReplay: {
       auto replay = std::make_unique<can::ReplayBus>(config.backend.target, replayOptions(config, encoder));
@@ -285,7 +306,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   const auto pins = makePins(config);
   const std::vector<InputFile> files = inputFiles(config);
   Recorder recorder({.folder = folder,
-                     .channel = backend.channel,
+                     .buses = recordedBuses(config),
                      .joints = config.model.joints(),
                      .heading = heading(files),
                      .min_free_bytes = config.min_free_bytes,
@@ -347,8 +368,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   recorder.close();
 
   const bool wall_clock = config.clock == ClockKind::kMonotonic;
-  nlohmann::ordered_json summary = summarise(config, files, account.statistics(), backend.bus->statistics(),
-                                             decoder, recorder, wall_clock ? &setup->report() : nullptr);
+  nlohmann::ordered_json summary = summarise(config, files, account.statistics(), *backend.bus, decoder,
+                                             recorder, wall_clock ? &setup->report() : nullptr);
   if (backend.replay != nullptr) {
     addReplay(summary, *backend.replay, config.backend.target);
   }

@@ -39,12 +39,13 @@ can::Binding readBinding(const TomlTable& table, const char* name, bool with_mes
   return binding;
 }
 
-can::Binding readInput(const TomlTable& table) {
+can::Binding readInput(const TomlTable& table, BusAssignment& assignment) {
   constexpr CountRange kSomeValues{1, 32};
   can::Binding binding = readBinding(table, "name", true, kInput);
   if (table.has("good")) {
     binding.good = numbers(table, boundOf("input.good"), kSomeValues);
   }
+  assignment.use(binding.message, assignment.read(table), binding.origin);
   return binding;
 }
 
@@ -90,7 +91,7 @@ std::vector<can::FixedFrame> readFrames(const TomlTable& table, const char* key)
   return frames;
 }
 
-can::CommandMap readCommand(const TomlTable& table) {
+can::CommandMap readCommand(const TomlTable& table, BusAssignment& assignment) {
   can::CommandMap command;
   command.message = table.string("message");
   command.origin = table.origin();
@@ -112,6 +113,13 @@ can::CommandMap readCommand(const TomlTable& table) {
   command.enter_timeout_s = number(table, boundOf("command.enter_timeout_s"), command.enter_timeout_s);
   if (table.has("enter_time_s")) {
     command.enter_time_s = number(table, boundOf("command.enter_time_s"));
+  }
+  const std::optional<std::uint8_t> bus = assignment.read(table);
+  assignment.use(command.message, bus, command.origin);
+  for (const auto* frames : {&command.enter, &command.leave, &command.clear}) {
+    for (const can::FixedFrame& frame : *frames) {
+      assignment.use(frame.message.empty() ? command.message : frame.message, bus, frame.origin);
+    }
   }
   return command;
 }
@@ -210,17 +218,37 @@ void readPositions(const TomlTable& table, can::BusMap& map) {
   }
 }
 
+// A node's bus is that of its PDOs, which other tables may bind as well.
+void assignNodes(const BusDescription& bus, const std::vector<std::optional<std::uint8_t>>& buses,
+                 BusAssignment& assignment) {
+  for (std::size_t i = 0; i < bus.canopen.drives.size(); ++i) {
+    const canopen::DriveSettings& drive = bus.canopen.drives[i];
+    for (const std::uint32_t id : {canopen::reportId(drive.node), canopen::commandId(drive.node)}) {
+      assignment.use(bus.database.find(id, false)->name, buses[i], drive.origin);
+    }
+  }
+}
+
+void placeNodes(BusDescription& bus) {
+  for (canopen::DriveSettings& drive : bus.canopen.drives) {
+    drive.bus = bus.database.find(canopen::commandId(drive.node), false)->bus;
+  }
+}
+
 }  // namespace
 
 BusDescription loadBusDescription(const std::filesystem::path& path,
-                                  const std::optional<std::filesystem::path>& dbc, bool rehearsal) {
-  return parseBusDescription(readFile(path), path.string(), dbc, rehearsal);
+                                  const std::optional<std::filesystem::path>& dbc, bool rehearsal,
+                                  const BusNames& buses) {
+  return parseBusDescription(readFile(path), path.string(), dbc, rehearsal, buses);
 }
 
 BusDescription parseBusDescription(std::string_view text, const std::string& name,
-                                   const std::optional<std::filesystem::path>& dbc, bool rehearsal) {
+                                   const std::optional<std::filesystem::path>& dbc, bool rehearsal,
+                                   const BusNames& buses) {
   const TomlDocument document = TomlDocument::parse(text, name);
   const TomlTable& root = document.root();
+  BusAssignment assignment(buses);
   BusDescription bus;
   bus.dbc_path = root.path("dbc");
   bus.dbc_path = dbc.value_or(bus.dbc_path);
@@ -228,18 +256,18 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   readTiming(checks, rehearsal, bus.map);
   readPositions(checks, bus.map);
   for (const TomlTable& table : root.tables("input")) {
-    bus.map.bindings.push_back(readInput(table));
+    bus.map.bindings.push_back(readInput(table, assignment));
   }
   for (const TomlTable& table : root.tables("protection")) {
     bus.map.protections.push_back(readProtection(table));
   }
-  readCanopen(root, rehearsal, bus);
+  const auto node_buses = readCanopen(root, rehearsal, assignment, bus);
   const bool own_commands = root.has("command") || !bus.canopen.any();
   if (own_commands && (!root.has("command") || root.isTable("command"))) {
-    bus.commands.push_back(readCommand(root.table("command")));
+    bus.commands.push_back(readCommand(root.table("command"), assignment));
   } else {
     for (const TomlTable& table : root.tables("command")) {
-      bus.commands.push_back(readCommand(table));
+      bus.commands.push_back(readCommand(table, assignment));
     }
   }
   std::vector<SignalRange> ranges;
@@ -253,6 +281,9 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   }
   try {
     canopen::bindDrives(bus.canopen, bus.database, bus.map, bus.commands);
+    assignNodes(bus, node_buses, assignment);
+    assignment.apply(name, bus.database);
+    placeNodes(bus);
     can::checkBindings(bus.database, bus.map, bus.commands);
   } catch (const std::invalid_argument& error) {
     throw FileError(error.what());

@@ -10,6 +10,7 @@
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/canopen/canopen_map.hpp"
+#include "firmware_app/configuration/bus_assignment.hpp"
 
 namespace patella::app {
 
@@ -24,13 +25,14 @@ struct BusDescription {
 
 /// Reads the map and the DBC it names. Throws FileError naming file, line and key; a DBC's own errors carry
 /// its file, line and column. `dbc` is read in place of the one that the map names. In a rehearsal, which
-/// moves no motor, timeouts may be longer.
+/// moves no motor, timeouts may be longer. `buses`: those that `bus` keys of the map may name; each has to
+/// carry something.
 BusDescription loadBusDescription(const std::filesystem::path& path,
                                   const std::optional<std::filesystem::path>& dbc = {},
-                                  bool rehearsal = false);
+                                  bool rehearsal = false, const BusNames& buses = {});
 /// `name` stands for the map's file in messages.
 BusDescription parseBusDescription(std::string_view text, const std::string& name,
                                    const std::optional<std::filesystem::path>& dbc = {},
-                                   bool rehearsal = false);
+                                   bool rehearsal = false, const BusNames& buses = {});
 
 }  // namespace patella::app

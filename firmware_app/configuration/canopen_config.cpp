@@ -82,7 +82,9 @@ void requireOwnNode(const TomlTable& table, const canopen::DriveSettings& drive,
 
 }  // namespace
 
-void readCanopen(const TomlTable& root, bool rehearsal, BusDescription& bus) {
+std::vector<std::optional<std::uint8_t>> readCanopen(const TomlTable& root, bool rehearsal,
+                                                     const BusAssignment& assignment, BusDescription& bus) {
+  std::vector<std::optional<std::uint8_t>> buses;
   const std::vector<TomlTable> tables = root.tables("cia402");
   if (!tables.empty()) {
     readNetwork(root.optionalTable("canopen"), rehearsal, bus.canopen.network);
@@ -92,7 +94,9 @@ void readCanopen(const TomlTable& root, bool rehearsal, BusDescription& bus) {
     readSheet(table, drive, bus);
     requireOwnNode(table, drive, bus.canopen);
     bus.canopen.drives.push_back(drive);
+    buses.push_back(assignment.read(table));
   }
+  return buses;
 }
 
 }  // namespace patella::app

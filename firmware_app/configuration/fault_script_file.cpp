@@ -158,7 +158,7 @@ void readStage(const TomlTable& table, FaultEvent& event) {
   }
 }
 
-FaultEvent readFault(const TomlTable& table, FaultStage stage) {
+FaultEvent readFault(const TomlTable& table, FaultStage stage, const Names& buses) {
   const Names kinds = kindNames();
   FaultEvent event;
   event.kind = static_cast<FaultKind>(indexOf(kinds, table.choice("kind", kinds)));
@@ -173,6 +173,9 @@ FaultEvent readFault(const TomlTable& table, FaultStage stage) {
   readCycle(table, event);
   readStage(table, event);
   readChannel(table, event);
+  if (sim::actsOnBus(event.kind) && buses.size() > 1 && table.has("bus")) {
+    event.bus = indexOf(buses, table.choice("bus", buses));
+  }
   if (sim::channelGroup(event.kind) == ChannelGroup::kFrames) {
     readFrameParameters(table, event);
   }
@@ -182,11 +185,12 @@ FaultEvent readFault(const TomlTable& table, FaultStage stage) {
 
 }  // namespace
 
-std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage) {
+std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage,
+                                             const std::vector<std::string>& buses) {
   const TomlDocument document = TomlDocument::load(path);
   std::vector<sim::FaultEvent> events;
   for (const TomlTable& table : document.root().tables("fault")) {
-    events.push_back(readFault(table, stage));
+    events.push_back(readFault(table, stage, buses));
   }
   document.finish();
   if (events.empty()) {

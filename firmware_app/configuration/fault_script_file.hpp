@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "sim/fault_script.hpp"
@@ -15,7 +16,8 @@ enum class FaultStage {
   kLoop        ///< the loop on a bus or a log: only what happens to its host
 };
 
-/// Events in the order of the file. Throws FileError naming file, line and key.
-std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage);
+/// Events in the order of the file; they may name one of `buses`. Throws FileError naming file, line and key.
+std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage,
+                                             const std::vector<std::string>& buses = {});
 
 }  // namespace patella::app

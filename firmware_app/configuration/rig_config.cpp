@@ -105,6 +105,19 @@ sim::FieldDriveOptions readDriveModel(const TomlTable& table) {
   return options;
 }
 
+// A drive is on the bus of the command that moves its joint.
+void placeDrives(const BusDescription& bus, std::vector<sim::FieldDriveOptions>& drives) {
+  for (const can::CommandMap& command : bus.commands) {
+    for (const can::Binding& binding : command.bindings) {
+      for (std::size_t joint = 0; joint < drives.size(); ++joint) {
+        if (binding.input == "torque_Nm." + std::to_string(joint + 1)) {
+          drives[joint].bus = bus.database.message(command.message).bus;
+        }
+      }
+    }
+  }
+}
+
 void readEmg(const TomlTable& table, sim::RigOptions& rig) {
   const std::string pattern =
       table.choice("pattern", Names{"none", "scheduled", "movement", "paper", "recording"}, "none");
@@ -178,6 +191,8 @@ void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::
                                          " tables, expected one for each of " + std::to_string(joints) +
                                          " joints");
   }
+  placeDrives(config.bus, rig.field_drives);
+  rig.buses = config.buses.size();
   readEmg(table.optionalTable("emg"), rig);
   const TomlTable buttons = table.optionalTable("operator");
   rig.operator_buttons.enable_at_s = number(buttons, boundOf("rig.operator.enable_at_s"), 0.0);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "drivers/canopen/node_setup.hpp"
+#include "firmware_app/configuration/bus_tables.hpp"
 #include "firmware_app/configuration/fault_script_file.hpp"
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
@@ -105,7 +106,9 @@ auto argument(const char* option, const std::string& text, Parse&& parse) {
 
 void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
   if (command_line.backend) {
-    config.backend = argument("--backend", *command_line.backend, parseBackend);
+    const bool several = !config.buses.front().name.empty();
+    config.backend = argument("--backend", *command_line.backend,
+                              [several](const std::string& text) { return parseBackend(text, several); });
   }
   if (command_line.clock) {
     config.clock = argument("--clock", *command_line.clock, parseClock);
@@ -178,20 +181,6 @@ void requireSyncPeriod(const RunConfig& config) {
 
 }  // namespace
 
-Backend parseBackend(const std::string& text) {
-  if (text == "sim") {
-    return {BackendKind::kSim, ""};
-  }
-  for (const auto& [prefix, kind] :
-       {std::pair{"can:", BackendKind::kCan}, std::pair{"replay:", BackendKind::kReplay}}) {
-    const std::string start = prefix;
-    if (text.starts_with(start) && text.size() > start.size()) {
-      return {kind, text.substr(start.size())};
-    }
-  }
-  throw std::invalid_argument("value '" + text + "', expected sim, can:INTERFACE or replay:LOG");
-}
-
 ClockKind parseClock(const std::string& text) {
   if (text == "monotonic") {
     return ClockKind::kMonotonic;
@@ -215,16 +204,10 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   const TomlTable recorder = root.optionalTable("recorder");
   config.record_mcap = recorder.boolean("mcap", config.record_mcap);
   config.record_live = recorder.boolean("live", config.record_live);
-  const TomlTable bus = root.table("bus");
-  const std::string backend = bus.string("backend", "sim");
-  try {
-    config.backend = parseBackend(backend);
-  } catch (const std::invalid_argument& error) {
-    throw bus.error("backend", error.what());
-  }
-  config.bus_map_path = bus.path("map");
-  config.can_bitrate = static_cast<std::uint32_t>(integer(bus, boundOf("bus.bitrate_bit_s"), 0));
+  readBusTables(root, config);
   applyCommandLine(command_line, config);
+  placeBuses(config);
+  config.loop.buses = config.buses.size();
   requireTicks(loop, config, !command_line.duration_s);
 
   config.model_path = root.path("model");
@@ -232,7 +215,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.model_path = *command_line.model;
   }
   config.model = loadModel(config.model_path);
-  config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal);
+  config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal, busNames(config.buses));
   if (root.has("weights")) {
     config.weights_path = root.path("weights");
   }
@@ -256,7 +239,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
                              : config.backend.kind == BackendKind::kSim ? FaultStage::kInProcess
                                                                         : FaultStage::kLoop;
     config.faults_path = *command_line.faults;
-    config.faults = loadFaultScript(config.faults_path, stage);
+    config.faults = loadFaultScript(config.faults_path, stage, busNames(config.buses));
     config.rig.faults = config.faults;
   }
 
@@ -266,7 +249,8 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.clock = ClockKind::kVirtual;
     config.duration_s = command_line.duration_s.value_or(0.0);
   }
-  if (config.backend.kind == BackendKind::kCan && config.clock == ClockKind::kVirtual) {
+  if (config.backend.kind == BackendKind::kCan && config.clock == ClockKind::kVirtual &&
+      !command_line.only_rig) {
     throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +
                                 ", expected monotonic: a bus does not wait");
   }

@@ -27,14 +27,21 @@ namespace patella::app {
 
 enum class BackendKind { kSim, kCan, kReplay };
 
-/// "sim", "can:IFACE" or "replay:LOG".
+/// "sim", "can:IFACE" or "replay:LOG"; of several buses "can", or "can:IFACE,IFACE" by their order.
 struct Backend {
   BackendKind kind = BackendKind::kSim;
-  std::string target;  ///< interface or log
+  std::string target;  ///< interfaces or log
 };
 
 /// Throws std::invalid_argument naming the text and what is expected.
-Backend parseBackend(const std::string& text);
+Backend parseBackend(const std::string& text, bool several_buses = false);
+
+/// One of the loop's buses, by the number that frames have.
+struct BusSettings {
+  std::string name;           ///< empty: it is the only one
+  std::string interface;      ///< in logs, and of the kernel where the backend is "can"
+  std::uint32_t bitrate = 0;  ///< expected on the interface, bit/s; 0: any
+};
 
 enum class ClockKind { kMonotonic, kVirtual };
 /// Throws std::invalid_argument naming the text and what is expected.
@@ -85,7 +92,7 @@ struct RunConfig {
   bool weights_sealed = false;  ///< a digest guards them against flipped bits
   network::InferenceOptions inference;
   std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
-  std::uint32_t can_bitrate = 0;               ///< expected on the interface, bit/s; 0: any
+  std::vector<BusSettings> buses{1};           ///< at least one
   ObserverConfig observer;
   tick::TickSettings tick;
   model::ModelDescription rig_model;  ///< the truth that the simulated rig lives by

@@ -10,7 +10,7 @@ namespace {
 
 using tick::Stage;
 
-constexpr std::size_t kFramesPerTick = 256;
+constexpr std::size_t kFramesPerTick = 256;  // of each bus
 
 }  // namespace
 
@@ -24,7 +24,7 @@ Loop::Loop(const LoopParts& parts)
       encoder_(parts.encoder),
       tick_(parts.tick),
       sink_(parts.sink),
-      frames_(kFramesPerTick),
+      frames_(kFramesPerTick * parts.options.buses),
       lateness_(parts.options),
       send_failures_(parts.options.send_failures_tolerated),
       entry_(parts.encoder.entries(), 1.0 / parts.options.rate_Hz),
@@ -65,6 +65,7 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   enter(probe_, Stage::kDecode);
   can::Reading reading = decoder_.finish(woken_ns);
   reading.faults = reading.faults | nodes_.finish(woken_ns, reading.measurement);
+  fault_buses_ = static_cast<can::BusSet>(reading.fault_buses | nodes_.faultBuses());
   reading.faults = reading.faults | entry_.before(reading.measurement);
   enter(probe_, Stage::kLinesIn);
   const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
@@ -95,7 +96,8 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
               .measurement = reading.measurement,
               .output = output,
               .sent = sent,
-              .notices = nodes_.notices()});
+              .notices = nodes_.notices(),
+              .fault_buses = fault_buses_});
 
   // Phase two: what the next tick can have ready before its frame arrives.
   enter(probe_, Stage::kNetworkPrepare);
@@ -114,7 +116,9 @@ void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
       continue;
     }
     // Whoever else commands the drives has them: they obey the newest frame.
-    foreign_command_ = foreign_command_ || encoder_.commands(frame) || nodes_.reserved(frame);
+    if (encoder_.commands(frame) || nodes_.reserved(frame)) {
+      foreign_ = static_cast<can::BusSet>(foreign_ | can::busBit(frame.bus));
+    }
     nodes_.accept(frame);
     decoder_.accept(frame);
   }
@@ -129,20 +133,24 @@ void Loop::drainBus(std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
 safety::FaultSet Loop::hostFaults(std::int64_t scheduled_ns,
                                   std::uint32_t missed) noexcept PATELLA_NONBLOCKING {
   safety::FaultSet faults;
+  const auto add_of_bus = [&](safety::Fault fault, can::BusSet buses) {
+    faults.add(fault);
+    fault_buses_ = static_cast<can::BusSet>(fault_buses_ | buses);
+  };
   if (pins_.emergencyStop()) {
     faults.add(safety::Fault::kEmergencyStop);
   }
-  if (bus_.down()) {
-    faults.add(safety::Fault::kBusOff);
+  if (const can::BusSet down = bus_.downBuses(); down != 0) {
+    add_of_bus(safety::Fault::kBusOff, down);
   }
   if (send_failures_.exceeded()) {
-    faults.add(safety::Fault::kSendFailed);
+    add_of_bus(safety::Fault::kSendFailed, unsent_);
   }
   if (lateness_.begin(missed)) {
     faults.add(safety::Fault::kOverrun);
   }
-  if (std::exchange(foreign_command_, false)) {
-    faults.add(safety::Fault::kForeignCommand);
+  if (const can::BusSet foreign = std::exchange(foreign_, can::BusSet{0}); foreign != 0) {
+    add_of_bus(safety::Fault::kForeignCommand, foreign);
   }
   faults = faults | std::exchange(late_faults_, {});
   if (watchdog_ != nullptr) {
@@ -189,6 +197,7 @@ const Command& Loop::sendCommand(const Command& command,
   encode(command);
   const Sent sent = sendAll(command.enable, measured_ns);
   send_failures_.update(!sent.whole, 1.0);
+  unsent_ = sent.whole ? can::BusSet{0} : unsent_;
   sent_wall_ns_ = sent.whole && sent_count_ > 0 ? sent_[encoder_.size() - 1].wall_ns : 0;
   enter(probe_, Stage::kLinesOut);
   // The enable line follows the command only when every drive could be told.
@@ -256,6 +265,7 @@ bool Loop::send(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
   stamped = frame;
   const bool gone = bus_.send(stamped, clock_.now()) == can::SendResult::kSent;
   sent_count_ += gone ? 1U : 0U;
+  unsent_ = static_cast<can::BusSet>(unsent_ | (gone ? 0 : can::busBit(frame.bus)));
   return gone;
 }
 

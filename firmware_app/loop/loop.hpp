@@ -109,9 +109,11 @@ class Loop {
   std::array<can::Frame, kMaxJoints> commands_;           ///< of this tick, one for each drive
   std::array<can::Frame, kMostSent> sent_;                ///< in this tick, for the record
   std::size_t sent_count_ = 0;
-  Command stop_;                  ///< what is sent in place of a command that comes too late
-  bool foreign_command_ = false;  ///< seen in this tick
-  bool line_up_ = false;          ///< as this loop set it
+  Command stop_;                 ///< what is sent in place of a command that comes too late
+  can::BusSet foreign_ = 0;      ///< buses on which a foreign command was seen in this tick
+  can::BusSet unsent_ = 0;       ///< buses that did not take a frame, since a tick in which all went out
+  can::BusSet fault_buses_ = 0;  ///< of this tick's faults
+  bool line_up_ = false;         ///< as this loop set it
   std::int64_t sent_wall_ns_ = 0;
   std::int64_t wall_offset_ns_ = 0;
   bool wall_offset_known_ = false;

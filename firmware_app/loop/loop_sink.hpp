@@ -28,6 +28,7 @@ struct TickReport {
   const tick::TickOutput& output;
   const Command& sent;             ///< differs from the output's where that came too late
   canopen::NodeNotices notices{};  ///< what CANopen drives said of themselves
+  can::BusSet fault_buses = 0;     ///< on which frames are missing, damaged or lost, as the faults say
 };
 
 /// All calls come from the loop's thread.

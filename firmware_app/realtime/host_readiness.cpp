@@ -129,12 +129,8 @@ Finding clockSourceFinding(const HostFiles& host) {
                  "see why the kernel gave up its counter: dmesg | grep -i clocksource");
 }
 
-void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
-  const bool kernel = kernelHasCan();
-  findings.push_back(finding("can_kernel", kRequired, kernel, kernel ? "present" : "absent",
-                             "raw CAN sockets",
-                             "modprobe can-raw, or use a kernel built with CONFIG_CAN_RAW"));
-  const std::string& name = needs.can_interface;
+void addInterfaceFindings(std::vector<Finding>& findings, const CanNeed& need) {
+  const std::string& name = need.interface;
   const auto interface = queryCanInterface(name);
   const bool there = interface && interface->can;
   findings.push_back(finding("can_interface", kRequired, there,
@@ -154,10 +150,10 @@ void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
                 healthy ? "error active" : "state " + std::to_string(*interface->state), "error active",
                 "check wiring and termination, then ip link set " + name + " down, and up again"));
   }
-  if (needs.bitrate != 0 && interface->kind == "can") {
-    const std::string rate = std::to_string(needs.bitrate);
+  if (need.bitrate != 0 && interface->kind == "can") {
+    const std::string rate = std::to_string(need.bitrate);
     findings.push_back(finding(
-        "can_bitrate", kRequired, interface->bitrate == needs.bitrate, std::to_string(interface->bitrate),
+        "can_bitrate", kRequired, interface->bitrate == need.bitrate, std::to_string(interface->bitrate),
         rate, "ip link set " + name + " down; ip link set " + name + " up type can bitrate " + rate));
   }
   if (interface->kind == "can") {
@@ -170,6 +166,21 @@ void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
                              std::to_string(interface->txqueuelen),
                              "at most " + std::to_string(kLongestCanQueue),
                              "ip link set " + name + " txqueuelen " + std::to_string(kLongestCanQueue)));
+}
+
+void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
+  const bool kernel = kernelHasCan();
+  findings.push_back(finding("can_kernel", kRequired, kernel, kernel ? "present" : "absent",
+                             "raw CAN sockets",
+                             "modprobe can-raw, or use a kernel built with CONFIG_CAN_RAW"));
+  for (const CanNeed& need : needs.can) {
+    std::vector<Finding> own;
+    addInterfaceFindings(own, need);
+    for (Finding& one : own) {
+      one.found = needs.can.size() > 1 ? need.interface + ": " + one.found : one.found;
+      findings.push_back(one);
+    }
+  }
 }
 
 Finding gpioFinding(const HostNeeds& needs) {
@@ -203,7 +214,7 @@ std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host
   };
   const std::vector<Finding> interrupts = interruptFindings(needs, host);
   findings.insert(findings.end(), interrupts.begin(), interrupts.end());
-  if (!needs.can_interface.empty()) {
+  if (!needs.can.empty()) {
     addCanFindings(findings, needs);
   }
   if (!needs.gpio_chip.empty()) {

@@ -10,15 +10,19 @@
 
 namespace patella::app {
 
-struct HostNeeds {
-  int priority = 80;          ///< SCHED_FIFO priority that the loop will ask for
-  std::vector<int> cpus;      ///< processors that the loop will be bound to; empty: any
-  std::string can_interface;  ///< empty: none needed
+struct CanNeed {
+  std::string interface;
   std::uint32_t bitrate = 0;  ///< bit/s expected on it; 0: any
-  std::string gpio_chip;      ///< device path; empty: none needed
 };
 
-/// One finding per condition, always in the same order.
+struct HostNeeds {
+  int priority = 80;         ///< SCHED_FIFO priority that the loop will ask for
+  std::vector<int> cpus;     ///< processors that the loop will be bound to; empty: any
+  std::vector<CanNeed> can;  ///< interfaces that the loop will use
+  std::string gpio_chip;     ///< device path; empty: none needed
+};
+
+/// One finding per condition, always in the same order; those of several CAN interfaces begin with its name.
 std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host = HostFiles());
 
 /// A longer queue holds torque commands back and lets them go after a stop; the kernel's own default.

@@ -99,15 +99,18 @@ std::optional<int> interruptThreadPriority(const HostFiles& host, const std::str
 
 std::vector<Finding> interruptFindings(const HostNeeds& needs, const HostFiles& host) {
   std::vector<Finding> findings{affinityFinding(needs, host)};
-  const auto priority =
-      needs.can_interface.empty() ? std::nullopt : interruptThreadPriority(host, needs.can_interface);
-  if (priority) {
+  for (const CanNeed& need : needs.can) {
+    const auto priority = interruptThreadPriority(host, need.interface);
+    if (!priority) {
+      continue;
+    }
     const bool ok = *priority > needs.priority;
-    findings.push_back({"can_irq_priority", ok, false, std::to_string(*priority),
+    const std::string which = needs.can.size() > 1 ? need.interface + ": " : "";
+    findings.push_back({"can_irq_priority", ok, false, which + std::to_string(*priority),
                         "above " + std::to_string(needs.priority) + ", the loop's",
                         ok ? ""
                            : "chrt -f -p " + std::to_string(needs.priority + 5) + " the thread irq/N-" +
-                                 needs.can_interface + " (ps -eo pid,rtprio,comm | grep irq/)"});
+                                 need.interface + " (ps -eo pid,rtprio,comm | grep irq/)"});
   }
   return findings;
 }

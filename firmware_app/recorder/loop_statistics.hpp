@@ -32,6 +32,7 @@ struct LoopStatistics {
   std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
   std::array<std::uint64_t, safety::kFaultCount> fault_ticks{};   ///< ticks in which each cause was present
   std::array<std::uint64_t, safety::kFaultCount> fault_events{};  ///< times each cause appeared
+  std::array<std::uint64_t, can::kMaxBuses> bus_fault_ticks{};    ///< ticks in which a fault was about a bus
   std::array<std::uint64_t, safety::kWarningCount> warning_ticks{};
   std::uint64_t limit_ticks = 0;  ///< ticks in which a limit held the command back
   std::uint64_t stops = 0;        ///< entries into limited or fault

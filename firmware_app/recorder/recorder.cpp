@@ -1,5 +1,6 @@
 #include "firmware_app/recorder/recorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -116,7 +117,7 @@ class Recorder::Files {
  public:
   /// Adds what it creates to `created`, one by one: a file that another run put there meanwhile is not ours.
   Files(const RecorderOptions& options, std::vector<std::filesystem::path>& created)
-      : channel_(options.channel),
+      : buses_(options.buses),
         columns_(tickColumns(options.joints)),
         frames_(options.folder, kFileNames[0], created),
         ticks_(options.folder, kFileNames[1], created),
@@ -145,13 +146,14 @@ class Recorder::Files {
   }
 
   void write(const can::Frame& frame) {
-    const std::size_t length = can::formatLogLine(buffer_, frame, channel_);
+    const std::string& interface = buses_[std::min<std::size_t>(frame.bus, buses_.size() - 1)].interface;
+    const std::size_t length = can::formatLogLine(buffer_, frame, interface);
     frames_.write(buffer_.data(), length);
     const auto wall_ns = static_cast<std::uint64_t>(frame.wall_ns);
     const formats::MessageTime time{.wall_ns = wall_ns, .loop_ns = wall_ns};
-    intoMcap([&] { mcap_->frame(frame, channel_, time); });
+    intoMcap([&] { mcap_->frame(frame, interface, time); });
     if (live_) {
-      live_->frame(frame, channel_, time);
+      live_->frame(frame, interface, time);
     }
   }
 
@@ -255,12 +257,19 @@ class Recorder::Files {
     append(record.time_s);
     line_ += " state=";
     line_ += safety::stateName(static_cast<safety::State>(record.state));
+    bool raised = false;
     for (int i = 0; i < safety::kFaultCount; ++i) {
       const auto fault = static_cast<safety::Fault>(i);
       const bool is = safety::FaultSet(record.faults).has(fault);
       const bool was = safety::FaultSet(last_faults_).has(fault);
+      raised = raised || (is && !was);
       if (is != was) {
         line_ += std::string(is ? " raised=" : " cleared=") + std::string(safety::faultName(fault));
+      }
+    }
+    for (std::size_t bus = 0; raised && bus < buses_.size(); ++bus) {
+      if ((record.fault_buses & can::busBit(bus)) != 0 && !buses_[bus].name.empty()) {
+        line_ += " bus=" + buses_[bus].name;
       }
     }
     for (int i = 0; i < safety::kWarningCount; ++i) {
@@ -289,7 +298,7 @@ class Recorder::Files {
     last_warnings_ = record.warnings;
   }
 
-  std::string channel_;
+  std::vector<RecordedBus> buses_;
   std::vector<TickColumn> columns_;
   OutputFile frames_;
   OutputFile ticks_;

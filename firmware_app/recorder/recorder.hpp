@@ -18,9 +18,14 @@
 
 namespace patella::app {
 
+struct RecordedBus {
+  std::string interface = "can0";  ///< as frames.log has it
+  std::string name{};              ///< as events.log has it; empty: it is the only one
+};
+
 struct RecorderOptions {
   std::filesystem::path folder;
-  std::string channel = "can0";  ///< interface name in frames.log
+  std::vector<RecordedBus> buses = {RecordedBus{}};  ///< by the numbers that frames have
   int joints = kMaxJoints;
   std::string heading;               ///< whole lines, to begin events.log with
   std::uint64_t min_free_bytes = 0;  ///< on the folder's disk, at the start and then as a warning

@@ -55,6 +55,7 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   }
   r.state = static_cast<std::uint8_t>(output.state);
   r.notices = report.notices;
+  r.fault_buses = report.fault_buses;
   r.encoder_steps = static_cast<std::uint8_t>(std::min(measurement.encoder_steps, 255));
 }
 
@@ -158,6 +159,9 @@ void RunAccount::countSafety(const TickReport& report) noexcept PATELLA_NONBLOCK
     }
   }
   previous_faults_ = output.faults;
+  for (std::size_t bus = 0; bus < can::kMaxBuses; ++bus) {
+    s.bus_fault_ticks[bus] += (report.fault_buses & can::busBit(bus)) != 0 ? 1U : 0U;
+  }
   bool limited = false;
   for (const safety::LimitSet& limits : output.limits) {
     limited = limited || limits.any();

@@ -7,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/recorder/bus_summary.hpp"
 
 namespace patella::app {
 namespace {
@@ -99,18 +100,6 @@ std::vector<std::string> changedFiles(const std::vector<InputFile>& files) {
 }
 
 namespace {
-
-Json messages(const can::MeasurementDecoder& decoder) {
-  Json out;
-  for (std::size_t i = 0; i < decoder.messageCount(); ++i) {
-    const can::MessageStatistics& m = decoder.statistics(i);
-    out[std::string(decoder.messageName(i))] = {
-        {"received", m.received},        {"lost", m.lost},         {"late", m.late},
-        {"corrupt", m.corrupt},          {"repeated", m.repeated}, {"reordered", m.reordered},
-        {"out_of_range", m.out_of_range}};
-  }
-  return out;
-}
 
 Json safety(const RunConfig& config, const LoopStatistics& loop) {
   Json out;
@@ -236,8 +225,8 @@ std::string networkText(const Json& s) {
 }  // namespace
 
 Json summarise(const RunConfig& config, const std::vector<InputFile>& files, const LoopStatistics& loop,
-               const can::BusStatistics& bus, const can::MeasurementDecoder& decoder,
-               const Recorder& recorder, const RealtimeReport* realtime) {
+               const can::Bus& bus, const can::MeasurementDecoder& decoder, const Recorder& recorder,
+               const RealtimeReport* realtime) {
   const int joints = config.model.joints();
   Json out;
   out["patella"] = PATELLA_VERSION;
@@ -273,11 +262,7 @@ Json summarise(const RunConfig& config, const std::vector<InputFile>& files, con
     thread["voluntary_context_switches"] = loop.voluntary_switches;
     thread["involuntary_context_switches"] = loop.involuntary_switches;
   }
-  out["bus"] = {{"frames_received", bus.frames_received}, {"frames_sent", bus.frames_sent},
-                {"receive_dropped", bus.receive_dropped}, {"send_failed", bus.send_failed},
-                {"error_frames", bus.error_frames},       {"bus_off", bus.bus_off},
-                {"error_passive", bus.error_passive},     {"unknown_frames", decoder.unknownFrames()},
-                {"messages", messages(decoder)}};
+  addBuses(config, loop, bus, decoder, out);
   out["safety"] = safety(config, loop);
   if (const std::vector<std::string> changed = changedFiles(files); !changed.empty()) {
     out["safety"]["warnings"][std::string(warningName(safety::Warning::kFileChanged))]["files"] = changed;
@@ -334,17 +319,7 @@ std::string summaryText(const Json& s) {
                                                           thread["heap_frees"].get<std::uint64_t>())
                                          : "not counted",
       thread["minor_page_faults"].get<std::uint64_t>() + thread["major_page_faults"].get<std::uint64_t>());
-  std::uint64_t lost = s["bus"]["receive_dropped"].get<std::uint64_t>();
-  std::uint64_t late = 0;
-  std::uint64_t corrupt = 0;
-  for (const Json& message : s["bus"]["messages"]) {
-    lost += message["lost"].get<std::uint64_t>();
-    late += message["late"].get<std::uint64_t>();
-    corrupt += message["corrupt"].get<std::uint64_t>();
-  }
-  text += fmt::format("  frames: {} received, {} sent, {} lost, {} late, {} corrupt\n",
-                      s["bus"]["frames_received"].get<std::uint64_t>(),
-                      s["bus"]["frames_sent"].get<std::uint64_t>(), lost, late, corrupt);
+  text += busText(s);
   const Json& safe = s["safety"];
   text += fmt::format("  final state {}, stops {}, largest torque {:.2f} N·m\n",
                       safe["final_state"].get<std::string>(), safe["stops"].get<std::uint64_t>(),

@@ -32,7 +32,7 @@ std::vector<std::string> changedFiles(const std::vector<InputFile>& files);
 /// Only what the run determines, no date and no path of the output, so that two equal runs have equal
 /// summaries. `realtime` may be null: then (virtual clock) nothing of the host is in it.
 nlohmann::ordered_json summarise(const RunConfig& config, const std::vector<InputFile>& files,
-                                 const LoopStatistics& loop, const can::BusStatistics& bus,
+                                 const LoopStatistics& loop, const can::Bus& bus,
                                  const can::MeasurementDecoder& decoder, const Recorder& recorder,
                                  const RealtimeReport* realtime);
 

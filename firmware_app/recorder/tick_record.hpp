@@ -38,6 +38,7 @@ struct TickRecord {
   std::int64_t sensor_latency_ns =
       -1;  ///< encoder frame to torque frame, bus stamps; −1 without a new encoder frame
   canopen::NodeNotices notices{};  ///< what CANopen drives said of themselves
+  can::BusSet fault_buses = 0;     ///< that the faults are about
 };
 
 /// A column of ticks.csv: header name with unit, and where the number stands.

@@ -76,19 +76,24 @@ void writeMixedDbc(const std::filesystem::path& path) {
 }  // namespace
 
 app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder) {
-  std::string text = app::readFile(kConfig / "adult.toml");
-  replace(text, "\nweights = ", "\n# ");  // a network is not the subject
+  const bool two_buses = drives == Drives::kTwoBuses;
+  std::string text = app::readFile(kConfig / (two_buses ? "two_buses.toml" : "adult.toml"));
+  if (!two_buses) {
+    replace(text, "\nweights = ", "\n# ");  // a network is not the subject
+  }
   replace(text, "\"models/", "\"" + (kConfig / "models/").string());
   const std::filesystem::path map = folder.path() / "map.toml";
   const std::filesystem::path mit_dbc = kConfig / "can/mit_mode.dbc";
   const std::filesystem::path odrive_dbc = kConfig / "can/odrive_cansimple.dbc";
   std::string mit = app::readFile(kConfig / "can/mit_mode.toml");
   std::string odrive = app::readFile(kConfig / "can/odrive_cansimple.toml");
-  std::string nodes = app::readFile(kConfig / "can/cia402.toml");
+  std::string nodes = app::readFile(kConfig / (two_buses ? "can/two_buses.toml" : "can/cia402.toml"));
   replace(nodes, "\"cia402.", "\"" + (kConfig / "can/cia402.").string());
   replace(odrive, "\"odrive_cansimple.dbc\"", "\"" + odrive_dbc.string() + "\"");
   if (drives == Drives::kBuiltIn) {
     replace(text, "\"can/patella.toml\"", "\"" + (kConfig / "can/patella.toml").string() + "\"");
+  } else if (two_buses) {
+    replace(text, "\"can/two_buses.toml\"", "\"" + map.string() + "\"");
   } else {
     replace(text, "\"can/patella.toml\"", "\"" + map.string() + "\"");
     const bool first_mit = drives != Drives::kOdrive;
@@ -104,9 +109,9 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
   } else {
     replace(mit, "\"mit_mode.dbc\"", "\"" + mit_dbc.string() + "\"");
   }
-  app::writeFile(map, drives == Drives::kOdrive   ? odrive
-                      : drives == Drives::kCia402 ? nodes
-                                                  : mit + mitRanges());
+  app::writeFile(map, drives == Drives::kOdrive                ? odrive
+                      : drives == Drives::kCia402 || two_buses ? nodes
+                                                               : mit + mitRanges());
   const std::filesystem::path path = folder.path() / "run.toml";
   app::writeFile(path, text);
   app::CommandLine line;
@@ -119,6 +124,31 @@ app::RunConfig driveConfiguration(Drives drives, double duration_s, const Scratc
 double DriveRun::tracking_rad(std::size_t joint) const {
   return std::sqrt(loop.tracking_sum_of_squares[joint] / static_cast<double>(loop.tracking_count));
 }
+
+namespace {
+
+bool anyTorque(const sim::Rig& rig) {
+  for (std::size_t joint = 0; joint < rig.fieldDrives().size(); ++joint) {
+    if (rig.fieldDrives()[joint].torque() != 0.0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Lives on without a loop.
+double torqueLeft_s(sim::Rig& rig, std::int64_t from_ns) {
+  constexpr std::int64_t kLook_ns = 100'000;
+  constexpr std::int64_t kLongest_ns = 1'000'000'000;
+  std::int64_t after_ns = 0;
+  while (after_ns < kLongest_ns && anyTorque(rig)) {
+    after_ns += kLook_ns;
+    rig.advance(from_ns + after_ns);
+  }
+  return 1e-9 * static_cast<double>(after_ns);
+}
+
+}  // namespace
 
 DriveRun runDrives(const app::RunConfig& config, const std::function<void(WatchedBus&)>& prepare) {
   VirtualClock clock;
@@ -149,6 +179,7 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
   const std::atomic<bool> stop{false};
   loop.run(stop);
   DriveRun run;
+  run.torque_left_s = torqueLeft_s(*rig, clock.now());
   run.loop = account.statistics();
   run.bus = bus.statistics();
   run.seen = bus.seen;

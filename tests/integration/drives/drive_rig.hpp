@@ -14,12 +14,13 @@
 
 namespace patella::test {
 
-enum class Drives { kBuiltIn, kMit, kOdrive, kMixed, kCia402 };
+enum class Drives { kBuiltIn, kMit, kOdrive, kMixed, kCia402, kTwoBuses };
 
 inline constexpr double kEnableAt_s = 0.5;
 
 /// The demonstration with these drives, each joint with its own, in virtual time. Mixed: joint 1 in MIT mode,
-/// joint 2 on an ODrive. CiA 402: set up when they are run. Files are left in `folder`.
+/// joint 2 on an ODrive. CiA 402: set up when they are run; on two buses, "hip" and "knee", each with a
+/// drive, the latter with EMG and operator. Files are left in `folder`.
 app::RunConfig driveConfiguration(Drives drives, double duration_s, const ScratchFolder& folder);
 
 /// Sends through to the rig, but for frames that the test keeps back; notes down what the loop sent.
@@ -48,7 +49,9 @@ class WatchedBus final : public can::Bus {
     return kept ? can::SendResult::kQueueFull : bus_.send(frame, now_ns);
   }
   bool down() const noexcept override { return bus_.down(); }
+  can::BusSet downBuses() const noexcept override { return bus_.downBuses(); }
   can::BusStatistics statistics() const noexcept override { return bus_.statistics(); }
+  can::BusStatistics statisticsOf(std::size_t bus) const noexcept override { return bus_.statisticsOf(bus); }
   /// The loop is kept from running for so long, wherever it is.
   void stall(std::int64_t span_ns) noexcept { clock_.sleepUntil(clock_.now() + span_ns); }
 
@@ -82,6 +85,7 @@ struct DriveRun {
   std::vector<std::uint64_t> commands;
   std::vector<bool> enabled;
   std::vector<can::Frame> seen;  ///< as WatchedBus has it
+  double torque_left_s = 0.0;    ///< from the loop's last frame until no drive gives torque; 1 s: never
   bool line_up_in_run = false;   ///< as the last tick but one has left it
   bool line_up = false;          ///< after the run
   double tracking_rad(std::size_t joint) const;

@@ -2,6 +2,7 @@
 #include <array>
 #include <csignal>
 #include <new>
+#include <tuple>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -74,6 +75,7 @@ std::vector<can::Frame> lastFrames(Drives drives, int signal) {
 struct Expected {
   std::uint32_t id;
   std::vector<std::uint8_t> data;
+  std::uint8_t bus = 0;
 };
 
 void checkRounds(const std::vector<can::Frame>& frames, const std::vector<Expected>& round) {
@@ -82,6 +84,7 @@ void checkRounds(const std::vector<can::Frame>& frames, const std::vector<Expect
     const Expected& expected = round[i % round.size()];
     CAPTURE(i);
     CHECK(frames[i].id == expected.id);
+    CHECK(frames[i].bus == expected.bus);
     REQUIRE(frames[i].length == expected.data.size());
     CHECK(std::equal(expected.data.begin(), expected.data.end(), frames[i].data.begin()));
   }
@@ -101,6 +104,26 @@ TEST_CASE("whoever dies of a fault of its own sends every drive zero torque and 
                 {{1, zero}, {1, leave}, {0x4E, {0, 0, 0, 0}}, {0x47, {1, 0, 0, 0}}});
     // Controlword 0000h, which takes the voltage away, and no torque.
     checkRounds(lastFrames(Drives::kCia402, signal), {{0x201, {0, 0, 0, 0}}, {0x202, {0, 0, 0, 0}}});
+    checkRounds(lastFrames(Drives::kTwoBuses, signal), {{0x201, {0, 0, 0, 0}, 0}, {0x202, {0, 0, 0, 0}, 1}});
+  }
+}
+
+// What SIGKILL or a power failure leaves: no frame more, and the drives as the last one left them.
+TEST_CASE("a loop that is killed says nothing more: each drive's own watchdog takes its torque away") {
+  for (const auto& [drives, least_s, most_s] :
+       {std::tuple{Drives::kMit, 0.018, 0.021}, std::tuple{Drives::kOdrive, 0.018, 0.021},
+        std::tuple{Drives::kCia402, 0.002, 0.006}, std::tuple{Drives::kTwoBuses, 0.002, 0.006}}) {
+    CAPTURE(static_cast<int>(drives));
+    const ScratchFolder folder;
+    app::RunConfig config = driveConfiguration(drives, 1.2, folder);
+    config.loop.shutdown_frames = 0;
+    const DriveRun run = runDrives(config);
+    MESSAGE("torque ends ", 1e3 * run.torque_left_s, " ms after the last frame");
+    CHECK(run.loop.final_state == safety::State::kActive);
+    CHECK(run.torque_left_s > least_s);
+    CHECK(run.torque_left_s < most_s);
+    const DriveRun asked = runDrives(driveConfiguration(drives, 1.2, folder));
+    CHECK(asked.torque_left_s == 0.0);
   }
 }
 

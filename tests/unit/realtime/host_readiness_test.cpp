@@ -163,7 +163,7 @@ TEST_CASE("interfaces and chips are judged only when they are needed") {
     CHECK(one.name != "gpio_chip");
   }
   HostNeeds needs;
-  needs.can_interface = "nosuchcan0";
+  needs.can = {{.interface = "nosuchcan0", .bitrate = 0}};
   needs.gpio_chip = "/dev/no_such_gpiochip";
   const std::vector<Finding> findings = hostReadiness(needs, host.files());
   CHECK_FALSE(named(findings, "can_interface").ok);
@@ -173,7 +173,7 @@ TEST_CASE("interfaces and chips are judged only when they are needed") {
   CHECK(named(findings, "can_kernel").ok == kernelHasCan());
   CHECK_FALSE(allRequiredOk(findings));
 
-  needs.can_interface = "lo";
+  needs.can = {{.interface = "lo", .bitrate = 0}};
   CHECK(named(hostReadiness(needs, host.files()), "can_interface").found == "lo is no CAN interface");
 }
 
@@ -227,8 +227,7 @@ TEST_CASE("a virtual CAN interface is recognised" *
   CHECK(interface->fd);
   CHECK(interface->bitrate == 0);
   HostNeeds needs;
-  needs.can_interface = name;
-  needs.bitrate = 1000000;
+  needs.can = {{.interface = name, .bitrate = 1000000}};
   const std::vector<Finding> findings = hostReadiness(needs);
   CHECK(named(findings, "can_kernel").ok);
   CHECK(named(findings, "can_up").ok);
@@ -248,7 +247,7 @@ TEST_CASE("interrupts on the loop's processor are counted, those without a handl
 TEST_CASE("the CAN interface's interrupt thread has to come before the loop") {
   const FakeHost host;
   HostNeeds needs;
-  needs.can_interface = "can0";
+  needs.can = {{.interface = "can0", .bitrate = 0}};
   const auto absent = hostReadiness(needs, host.files());
   CHECK(std::none_of(absent.begin(), absent.end(),
                      [](const Finding& one) { return one.name == "can_irq_priority"; }));

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "tools/bench/faults/drive_trial.hpp"
 #include "tools/bench/faults/scenario.hpp"
 
 namespace patella::bench {
@@ -21,7 +22,9 @@ std::vector<TrialResult> runCampaign(const app::RunConfig& base, const CampaignO
     for (int i = next++; i < options.runs; i = next++) {
       try {
         const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
-        results[static_cast<std::size_t>(i)] = runTrial(randomScenario(base, seed), seed);
+        results[static_cast<std::size_t>(i)] = base.rig.field_drives.empty()
+                                                   ? runTrial(randomScenario(base, seed), seed)
+                                                   : runDriveTrial(randomDriveScenario(base, seed), seed);
       } catch (...) {
         const std::scoped_lock lock(mutex);
         failure = std::current_exception();

@@ -60,7 +60,7 @@ std::string finding(const TrialResult& result) {
 }  // namespace
 
 std::string report(const std::vector<TrialResult>& results) {
-  std::vector<Row> rows(sim::kScriptedKindCount);
+  std::vector<Row> rows(sim::kFaultKindCount);
   int singles = 0;
   for (const TrialResult& result : results) {
     singles += result.faults.size() == 1 ? 1 : 0;
@@ -81,8 +81,11 @@ std::string report(const std::vector<TrialResult>& results) {
                                  static_cast<int>(results.size()) - singles);
   text += fmt::format("{:<22}{:>7}{:>12}{:>12}{:>12}{:>12}\n", "fault", "runs", "stop owed", "worst, ms",
                       "budget, ms", "seed");
-  for (int i = 0; i < sim::kScriptedKindCount; ++i) {
+  for (int i = 0; i < sim::kFaultKindCount; ++i) {
     const Row& row = rows[static_cast<std::size_t>(i)];
+    if (row.runs == 0) {
+      continue;
+    }
     text +=
         fmt::format("{:<22}{:>7}{:>12}", faultKindName(static_cast<sim::FaultKind>(i)), row.runs, row.owed);
     text += row.worst_s >= 0.0 ? fmt::format("{:>12.1f}{:>12.1f}{:>12}\n", 1e3 * row.worst_s,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "drivers/can/socketcan_bus.hpp"
+#include "drivers/canopen/node_setup.hpp"
 #include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/loop/loop.hpp"
@@ -173,8 +174,14 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
                   .decoder = decoder,
                   .encoder = encoder,
                   .tick = *tick,
-                  .sink = account});
+                  .sink = account,
+                  .canopen = config.bus.canopen});
   loop.probedBy(meter);
+  if (config.bus.canopen.any()) {
+    sim::SimulatedBus in_process(*rig, inner);
+    can::Bus& answering = pace.interface.empty() ? static_cast<can::Bus&>(in_process) : *bus;
+    canopen::setUpNodes(answering, inner, config.bus.canopen, 1.0 / workload.rate_Hz);
+  }
 
   const std::atomic<bool> stop{false};
   if (pace.real_time) {
