@@ -5,34 +5,41 @@
 
 namespace patella::tick {
 
+namespace {
+
+std::array<std::string, kFeatureCount> names() {
+  std::array<std::string, kFeatureCount> all;
+  const auto number = [&all](int first, int count, const std::string& stem, const std::string& unit) {
+    for (int i = 0; i < count; ++i) {
+      all[static_cast<std::size_t>(first + i)] = stem + std::to_string(i + 1) + unit;
+    }
+  };
+  number(kPosition, kMaxJoints, "q", "_rad");
+  number(kVelocity, kMaxJoints, "dq", "_rad_s");
+  number(kTorque, kMaxJoints, "tau", "_Nm");
+  number(kEmgTorque, kMaxJoints, "tau_emg", "_Nm");
+  number(kActivation, kMaxEmgChannels, "activation", "");
+  number(kObserver, kMaxJoints, "f_s", "_rad_s2");
+  number(kObserverFiltered, kMaxJoints, "f_s_filtered", "_rad_s2");
+  number(kObserverTorque, kMaxJoints, "d_hat", "_Nm");
+  number(kAcceleration, kMaxJoints, "ddq_hat", "_rad_s2");
+  for (int i = 0; i < kRiseTimes; ++i) {
+    const auto rise_ms = static_cast<int>(1000.0 * kRiseTimes_s[static_cast<std::size_t>(i)] + 0.5);
+    number(kRise + i * kMaxJoints, kMaxJoints, "d_rise_" + std::to_string(rise_ms) + "ms", "_Nm");
+  }
+  all[kTime] = "time_s";
+  return all;
+}
+
+}  // namespace
+
 const std::array<std::string_view, kFeatureCount>& featureNames() noexcept {
-  static constexpr std::array<std::string_view, kFeatureCount> kNames = {"q1_rad",
-                                                                         "q2_rad",
-                                                                         "dq1_rad_s",
-                                                                         "dq2_rad_s",
-                                                                         "tau1_Nm",
-                                                                         "tau2_Nm",
-                                                                         "tau_emg1_Nm",
-                                                                         "tau_emg2_Nm",
-                                                                         "activation1",
-                                                                         "activation2",
-                                                                         "activation3",
-                                                                         "activation4",
-                                                                         "f_s1_rad_s2",
-                                                                         "f_s2_rad_s2",
-                                                                         "f_s_filtered1_rad_s2",
-                                                                         "f_s_filtered2_rad_s2",
-                                                                         "d_hat1_Nm",
-                                                                         "d_hat2_Nm",
-                                                                         "ddq_hat1_rad_s2",
-                                                                         "ddq_hat2_rad_s2",
-                                                                         "d_rise_20ms1_Nm",
-                                                                         "d_rise_20ms2_Nm",
-                                                                         "d_rise_60ms1_Nm",
-                                                                         "d_rise_60ms2_Nm",
-                                                                         "d_rise_180ms1_Nm",
-                                                                         "d_rise_180ms2_Nm",
-                                                                         "time_s"};
+  static const std::array<std::string, kFeatureCount> kTexts = names();
+  static const std::array<std::string_view, kFeatureCount> kNames = [] {
+    std::array<std::string_view, kFeatureCount> views;
+    std::copy(kTexts.begin(), kTexts.end(), views.begin());
+    return views;
+  }();
   return kNames;
 }
 

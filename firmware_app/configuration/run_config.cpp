@@ -140,6 +140,25 @@ auto located(const std::filesystem::path& path, Make&& make) {
   }
 }
 
+void requireConfiguredJoints(const RunConfig& config) {
+  if (config.model.joints() > kMaxConfiguredJoints) {
+    throw FileError(config.model_path.string() + ": a mechanism of " + std::to_string(config.model.joints()) +
+                    " joints, expected at most " + std::to_string(kMaxConfiguredJoints) +
+                    ": the keys of a run, such as emg.gain1_Nm and emg.gain2_Nm, are for two");
+  }
+}
+
+// A force has the two components of the sagittal plane, and a chain moves in space.
+void requirePlaneForForce(const RunConfig& config) {
+  if (config.observer.kind == ObserverKind::kKalmanForce &&
+      std::holds_alternative<model::SerialChainParameters>(config.model.mechanism)) {
+    throw FileError(
+        config.path.string() +
+        ": key 'estimation.observer': value 'kalman_force' with a serial_chain, expected one of the "
+        "others: its force lies in the plane of the leg");
+  }
+}
+
 // A network speaks of the steps that it was trained with; another rate would be another network. It may take
 // every second, third … sample: returns which.
 int checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& config) {
@@ -232,6 +251,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.model_path = *command_line.model;
   }
   config.model = loadModel(config.model_path);
+  requireConfiguredJoints(config);
   config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal);
   if (root.has("weights")) {
     config.weights_path = root.path("weights");
@@ -243,6 +263,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.weights = loadNetworkWeights(config.weights_path, &config.weights_sealed);
   }
   readTickConfig(root, config);
+  requirePlaneForForce(config);
   if (command_line.reference) {
     loadReference(*command_line.reference, config);
   }

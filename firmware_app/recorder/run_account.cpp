@@ -51,7 +51,7 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   r.faults = output.faults.bits();
   r.limits = 0;
   for (std::size_t joint = 0; joint < output.limits.size(); ++joint) {
-    r.limits |= static_cast<std::uint32_t>(output.limits[joint].bits()) << (kLimitBitsPerJoint * joint);
+    r.limits |= static_cast<std::uint64_t>(output.limits[joint].bits()) << (kLimitBitsPerJoint * joint);
   }
   r.state = static_cast<std::uint8_t>(output.state);
   r.notices = report.notices;

@@ -19,6 +19,9 @@ void single(std::vector<TickColumn>& columns, const std::string& name, Getter ge
 }
 
 constexpr double kMicrosecond = 1e-3;  // in units of ns
+// A column of limits has 32 bits, which is eight for each of four joints.
+constexpr std::uint64_t kLow32Bits = 0xFFFFFFFFU;
+constexpr int kJointsOfLimits = 4;
 
 }  // namespace
 
@@ -55,7 +58,10 @@ std::vector<TickColumn> tickColumns(int joints) {
   }
   single(c, "state", [](const R& r, int) { return static_cast<double>(r.state); });
   single(c, "faults", [](const R& r, int) { return static_cast<double>(r.faults); });
-  single(c, "limits", [](const R& r, int) { return static_cast<double>(r.limits); });
+  single(c, "limits", [](const R& r, int) { return static_cast<double>(r.limits & kLow32Bits); });
+  if (joints > kJointsOfLimits) {
+    single(c, "limits_from_joint5", [](const R& r, int) { return static_cast<double>(r.limits >> 32U); });
+  }
   single(c, "encoder_steps", [](const R& r, int) { return static_cast<double>(r.encoder_steps); });
   single(c, "missed_periods", [](const R& r, int) { return static_cast<double>(r.missed_periods); });
   single(c, "wakeup_us",

@@ -28,7 +28,7 @@ struct TickRecord {
   EmgArray emg_mV{}, activation{};
   std::uint32_t faults = 0;    ///< FaultSet of this tick
   std::uint32_t warnings = 0;  ///< safety::WarningSet
-  std::uint32_t limits = 0;    ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8
+  std::uint64_t limits = 0;    ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8 and so on
   std::uint8_t state = 0;      ///< safety::State
   std::uint8_t encoder_steps = 0;
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
