@@ -45,7 +45,7 @@ ChainLink readLink(const TomlTable& table) {
 std::string listed(std::span<const double> values) {
   std::string text;
   for (const double value : values) {
-    text += (text.empty() ? "" : ", ") + formatNumber(value);
+    text += (text.empty() ? "" : ", ") + formatNumber(value + 0.0);  // TOML's -0 is a whole number, and so 0
   }
   return "[" + text + "]";
 }

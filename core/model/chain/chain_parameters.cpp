@@ -104,7 +104,7 @@ Eigen::Vector3d turnOf(const Eigen::Matrix3d& rotation) noexcept {
   const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
   const double c = std::cos(yaw);
   const double s = std::sin(yaw);
-  const double pitch = std::atan2(-rotation(2, 0), std::hypot(rotation(0, 0), rotation(1, 0)));
+  const double pitch = 0.0 - std::atan2(rotation(2, 0), std::hypot(rotation(0, 0), rotation(1, 0)));
   // What is left after yaw is taken back, whatever rounding made of it: near a right angle of pitch the error
   // of one cancels that of the other.
   const double roll =
