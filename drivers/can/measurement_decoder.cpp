@@ -23,6 +23,7 @@ std::int64_t toNanoseconds(const Bound& bound, double seconds) {
 
 MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& map, int joints)
     : joints_(joints),
+      indices_(static_cast<std::size_t>(std::max(joints, kMaxEmgChannels))),
       position_min_rad_(map.position_min_rad),
       position_max_rad_(map.position_max_rad),
       position_jump_rad_(map.position_jump_rad),
@@ -367,7 +368,7 @@ bool MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const noex
   for (std::size_t input = 0; input < kInputCount; ++input) {
     if (kInputKinds[input].group != group)
       continue;
-    for (std::size_t i = 0; i < kMaxIndex; ++i) {
+    for (std::size_t i = 0; i < indices_; ++i) {
       if (seen_[input][i] && now_ns - stored_ns_[input][i] > timeouts_ns_[group])
         return true;
     }
@@ -378,39 +379,38 @@ bool MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const noex
 Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   measurement_.encoder_steps = encoder_samples_.take();
   measurement_.emg_steps = emg_samples_.take();
-  Reading reading;
+  safety::FaultSet faults;
   if (stale(kEncoderGroup, now_ns))
-    reading.faults.add(safety::Fault::kEncoderStale);
+    faults.add(safety::Fault::kEncoderStale);
   if (stale(kDriveGroup, now_ns))
-    reading.faults.add(safety::Fault::kDriveStale);
+    faults.add(safety::Fault::kDriveStale);
   if (stale(kEmgGroup, now_ns))
-    reading.faults.add(safety::Fault::kEmgStale);
+    faults.add(safety::Fault::kEmgStale);
   if (stale(kOperatorGroup, now_ns)) {
     enable_stuck_ = reset_stuck_ = true;
     measurement_.operator_enable = measurement_.operator_reset = false;
   }
   if (drive_reports_.finish(measurement_))
-    reading.faults.add(safety::Fault::kDriveFault);
+    faults.add(safety::Fault::kDriveFault);
   for (const BoundMessage& message : messages_) {
     if (message.corrupt.tooMany(tolerated_))
-      reading.faults.add(safety::Fault::kFrameCorrupt);
+      faults.add(safety::Fault::kFrameCorrupt);
     if (message.sequence.tooMany(tolerated_))
-      reading.faults.add(safety::Fault::kFrameSequence);
+      faults.add(safety::Fault::kFrameSequence);
     if (message.groups[kEncoderGroup] && message.implausible.tooMany(tolerated_)) {
-      reading.faults.add(safety::Fault::kEncoderImplausible);
+      faults.add(safety::Fault::kEncoderImplausible);
     }
   }
-  reading.complete = true;
+  bool complete = true;
   for (std::size_t input = 0; input < kInputCount; ++input) {
     if (kInputKinds[input].group == kNoTimeout)
       continue;
-    for (std::size_t i = 0; i < kMaxIndex; ++i) {
+    for (std::size_t i = 0; i < indices_; ++i) {
       if (bound_[input][i] && !seen_[input][i])
-        reading.complete = false;
+        complete = false;
     }
   }
-  reading.measurement = measurement_;
-  return reading;
+  return {.measurement = measurement_, .faults = faults, .complete = complete};
 }
 
 }  // namespace patella::can

@@ -131,6 +131,7 @@ class MeasurementDecoder {
   bool stale(InputGroup group, std::int64_t now_ns) const noexcept;
 
   int joints_;
+  std::size_t indices_;  ///< that some input has: joints or EMG channels
   std::array<std::int64_t, kInputGroupCount> timeouts_ns_{};
   double position_min_rad_;
   double position_max_rad_;
