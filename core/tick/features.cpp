@@ -31,6 +31,14 @@ std::array<std::string, kFeatureCount> names() {
   return all;
 }
 
+/// Joint from 0 of a feature; 0 for what belongs to none.
+int jointOf(int feature) noexcept {
+  if (feature == kTime || (feature >= kActivation && feature < kObserver)) {
+    return 0;
+  }
+  return (feature < kActivation ? feature : feature - kObserver) % kMaxJoints;
+}
+
 }  // namespace
 
 const std::array<std::string_view, kFeatureCount>& featureNames() noexcept {
@@ -43,16 +51,18 @@ const std::array<std::string_view, kFeatureCount>& featureNames() noexcept {
   return kNames;
 }
 
-FeatureSelection selectFeatures(const std::vector<std::string>& names) {
+FeatureSelection selectFeatures(const std::vector<std::string>& names, int joints) {
   FeatureSelection selection;
   const auto& known = featureNames();
   for (const std::string& name : names) {
     const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end()) {
+    if (found == known.end() || jointOf(static_cast<int>(found - known.begin())) >= joints) {
       std::string message = "feature '" + name + "' of the network is unknown, expected one of";
-      for (const std::string_view& candidate : known) {
-        message += ' ';
-        message += candidate;
+      for (int feature = 0; feature < kFeatureCount; ++feature) {
+        if (jointOf(feature) < joints) {
+          message += ' ';
+          message += known[static_cast<std::size_t>(feature)];
+        }
       }
       throw std::invalid_argument(message);
     }

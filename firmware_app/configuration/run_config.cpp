@@ -163,7 +163,7 @@ void requirePlaneForForce(const RunConfig& config) {
 // every second, third … sample: returns which.
 int checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& config) {
   constexpr double kRateTolerance = 1e-6;
-  tick::selectFeatures(weights.features);
+  tick::selectFeatures(weights.features, config.model.joints());
   const auto outputs = static_cast<int>(weights.output_weight.rows());
   if (outputs != config.model.joints()) {
     throw std::invalid_argument("the network has " + std::to_string(outputs) + " outputs, expected " +
