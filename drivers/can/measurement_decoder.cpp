@@ -79,6 +79,14 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   }
 }
 
+InputId MeasurementDecoder::inputIn(const Binding& binding, int joints) {
+  try {
+    return inputOf(binding.input, joints);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument((binding.origin.empty() ? "" : binding.origin + ": ") + error.what());
+  }
+}
+
 MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Database& database,
                                                                    const BusMap& map,
                                                                    const std::string& name) {
@@ -96,7 +104,7 @@ MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Databas
 
 void MeasurementDecoder::bind(const Database& database, const BusMap& map, const Binding& binding) {
   const std::string quoted = "input '" + binding.input + "'";
-  const InputId id = inputOf(binding.input, joints_);
+  const InputId id = inputIn(binding, joints_);
   const auto [input, index] = id;
   const InputGroup group = id.kind().group;
   requireBound(boundOf("input.scale"), binding.scale, quoted + ": scale");

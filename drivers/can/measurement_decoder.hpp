@@ -107,6 +107,7 @@ class MeasurementDecoder {
 
   using Values = std::array<double, kMaxInputs>;
 
+  static InputId inputIn(const Binding& binding, int joints);
   BoundMessage& boundMessage(const Database& database, const BusMap& map, const std::string& name);
   void bind(const Database& database, const BusMap& map, const Binding& binding);
   void requireAllOrNone(Input input) const;

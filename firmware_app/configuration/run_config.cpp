@@ -136,7 +136,8 @@ auto located(const std::filesystem::path& path, Make&& make) {
   try {
     return make();
   } catch (const std::invalid_argument& error) {
-    throw FileError(path.string() + ": " + error.what());
+    const std::string what = error.what();
+    throw FileError(what.starts_with(path.string()) ? what : path.string() + ": " + what);
   }
 }
 

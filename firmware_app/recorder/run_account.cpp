@@ -55,6 +55,8 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   r.joints = static_cast<std::uint32_t>(measurement.position_rad.size());
   for (std::uint32_t joint = 0; joint < r.joints; ++joint) {
     fill(r.joint[joint], report, joint);
+  }
+  for (std::size_t joint = 0; joint < output.limits.size(); ++joint) {
     r.limits |= static_cast<std::uint64_t>(output.limits[joint].bits()) << (kLimitBitsPerJoint * joint);
   }
   r.state = static_cast<std::uint8_t>(output.state);

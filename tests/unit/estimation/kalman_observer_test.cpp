@@ -211,5 +211,5 @@ TEST_CASE("an estimate needs a model, and a filter its settings") {
   refuses({.disturbance_limit = 0.0}, 2, "disturbance_limit = 0");
   refuses({.rest_density_Nm = -1.0}, 2, "rest_density_Nm = -1");
   refuses({.space = Space::kForceAsPrinted}, 1, "joints of a force as printed = 1");
-  refuses({}, 3, "joints = 3");
+  refuses({}, 9, "joints = 9");
 }
