@@ -1,6 +1,7 @@
 #include "core/tick/features.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace patella::tick {
@@ -24,7 +25,7 @@ std::array<std::string, kFeatureCount> names() {
   number(kObserverTorque, kMaxJoints, "d_hat", "_Nm");
   number(kAcceleration, kMaxJoints, "ddq_hat", "_rad_s2");
   for (int i = 0; i < kRiseTimes; ++i) {
-    const auto rise_ms = static_cast<int>(1000.0 * kRiseTimes_s[static_cast<std::size_t>(i)] + 0.5);
+    const auto rise_ms = std::lround(1000.0 * kRiseTimes_s[static_cast<std::size_t>(i)]);
     number(kRise + i * kMaxJoints, kMaxJoints, "d_rise_" + std::to_string(rise_ms) + "ms", "_Nm");
   }
   all[kTime] = "time_s";

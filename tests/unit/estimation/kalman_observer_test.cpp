@@ -9,6 +9,7 @@
 
 #include "core/model/one_dof.hpp"
 #include "tests/unit/estimation/observed_leg.hpp"
+#include "tests/unit/model/chains.hpp"
 
 using namespace patella;
 using namespace patella::estimation;
@@ -212,4 +213,15 @@ TEST_CASE("an estimate needs a model, and a filter its settings") {
   refuses({.rest_density_Nm = -1.0}, 2, "rest_density_Nm = -1");
   refuses({.space = Space::kForceAsPrinted}, 1, "joints of a force as printed = 1");
   refuses({}, 9, "joints = 9");
+}
+
+TEST_CASE("a force in the leg's plane is not sought on a mechanism in space: the estimate is NaN") {
+  const model::PlanarTwoLinkParameters leg = model::physicalLeg().parameters;
+  const model::DynamicsModel chain(std::make_unique<model::SerialChain>(test::asChain(leg)), {});
+  for (const auto space : {Space::kForce, Space::kJointTorque}) {
+    KalmanObserver observer({.space = space}, 2);
+    const ObserverInput input = test::ObservedLeg(chain, JointVector::Zero(2)).sample(JointVector::Zero(2));
+    observer.reset(input);
+    CHECK(observer.update(input).array().isNaN().any() == (space == Space::kForce));
+  }
 }
