@@ -58,11 +58,21 @@ std::string line(const char* key, const Eigen::Vector3d& values, const char* com
   return line(key, std::span<const double>(values.data(), 3), comment);
 }
 
-// A TOML string in double quotes; URDF names have neither control characters nor, mostly, these two.
+/// A basic string of TOML.
 std::string quoted(const std::string& text) {
+  constexpr unsigned char kFirstPrinted = 0x20;
+  constexpr unsigned char kDelete = 0x7F;
   std::string result = "\"";
   for (const char c : text) {
-    result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      result += std::string("\\") + c;
+    } else if (code < kFirstPrinted || code == kDelete) {
+      constexpr const char* kDigits = "0123456789ABCDEF";
+      result += std::string("\\u00") + kDigits[code / 16] + kDigits[code % 16];
+    } else {
+      result += c;
+    }
   }
   return result + "\"";
 }

@@ -84,6 +84,10 @@ std::vector<urdf::LinkConstSharedPtr> wayTo(const urdf::ModelInterface& robot, c
   std::vector<std::string> passed;
   for (urdf::LinkConstSharedPtr link = find(robot, file, "tip", tip); link && link->name != base;
        link = link->getParent()) {
+    // urdfdom takes links in a circle as long as another one is the root.
+    if (way.size() == robot.links_.size()) {
+      throw FileError(file + ": the links above tip '" + tip + "' are a circle, expected a tree");
+    }
     way.push_back(link);
     passed.push_back(link->name);
   }

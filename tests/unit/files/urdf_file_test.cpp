@@ -102,6 +102,9 @@ TEST_CASE("what is no URDF, and names that it does not have, are refused by name
   contains(errorOf(leg(), "horn", "foot"),
            "tip 'foot' is not beyond base 'horn', expected a base of its way");
   contains(errorOf(leg(), "foot", "foot"), "tip 'foot' is not beyond base 'foot'");
+  contains(errorOf(robot(link("base") + link("shank") + link("foot") + joint("a", "fixed", "shank", "foot") +
+                         joint("b", "fixed", "foot", "shank"))),
+           "r.urdf: the links above tip 'foot' are a circle, expected a tree");
   contains(messageOf<FileError>([] { loadUrdfChain("no/such.urdf", "base", "foot"); }), "no/such.urdf");
 }
 
@@ -160,6 +163,15 @@ TEST_CASE("a model file names a URDF, and is written link by link with the same 
   const model::ModelDescription reread = parseModel(text, "model.toml");
   CHECK(modelText(reread) == text);
   CHECK(modelText(describeModel(makeModel(reread))) == text);
+}
+
+TEST_CASE("a link of any name survives writing and reading") {
+  model::SerialChainParameters chain;
+  chain.links = parseUrdfChain(leg(), "r.urdf", "base", "foot");
+  chain.links[0].name = "a \"b\" \\ c\n\t\x7F Öse";
+  const model::ModelDescription reread =
+      parseModel(modelText({.mechanism = chain, .effects = {}}), "model.toml");
+  CHECK(std::get<model::SerialChainParameters>(reread.mechanism).links[0].name == chain.links[0].name);
 }
 
 TEST_CASE("a chain in a model file is refused by key, value and expectation") {
