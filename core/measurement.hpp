@@ -16,11 +16,7 @@ struct EnabledReport {
   bool was_disabled = false;
 };
 
-inline constexpr PerJoint kNotReported = [] {
-  PerJoint values{};
-  values.fill(std::numeric_limits<double>::quiet_NaN());
-  return values;
-}();
+inline constexpr PerJoint kNotReported = everyJoint(std::numeric_limits<double>::quiet_NaN());
 
 /// Newest valid value of every input, held until a newer one comes. Vectors have the mechanism's number of
 /// joints.

@@ -30,6 +30,12 @@ class SpscRing {
 
   /// False, and nothing stored, when the ring is full.
   bool push(const T& element) noexcept PATELLA_NONBLOCKING {
+    return pushBy([&element](T& place) noexcept { place = element; });
+  }
+
+  /// The same with `write(T&)`, noexcept, which writes the element where it is to stand.
+  template <typename Write>
+  bool pushBy(Write&& write) noexcept PATELLA_NONBLOCKING {
     const std::size_t head = head_.value.load(std::memory_order_relaxed);
     if (head - head_.other > mask_) {
       head_.other = tail_.value.load(std::memory_order_acquire);
@@ -37,7 +43,7 @@ class SpscRing {
         return false;
       }
     }
-    elements_[head & mask_] = element;
+    write(elements_[head & mask_]);
     head_.value.store(head + 1, std::memory_order_release);
     return true;
   }

@@ -9,7 +9,7 @@
 
 namespace patella {
 
-inline constexpr int kMaxJoints = 2;
+inline constexpr int kMaxJoints = 8;
 inline constexpr int kMaxEmgChannels = 4;
 
 /// One number per joint; stored inline, so resizing within kMaxJoints never touches the heap.
@@ -17,11 +17,20 @@ using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 /// joints x joints, stored inline.
 using JointMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
-/// 2 x joints: planar Cartesian velocity of the end point per joint velocity, stored inline.
-using Jacobian = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kMaxJoints>;
+/// Of a point, in the plane (2) or in space (3), stored inline.
+using SpaceVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
+/// 2 or 3 x joints: Cartesian velocity of the end point per joint velocity, stored inline.
+using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxJoints>;
 
 /// One setting per joint, in the order of the joints; those beyond the mechanism's joints are without effect.
 using PerJoint = std::array<double, kMaxJoints>;
+
+/// The same for every joint.
+constexpr PerJoint everyJoint(double value) {
+  PerJoint values{};
+  values.fill(value);
+  return values;
+}
 
 /// EMG per channel, mV (raw) or dimensionless (activation).
 using EmgArray = std::array<double, kMaxEmgChannels>;

@@ -11,7 +11,7 @@
 namespace patella::sim {
 
 struct DriveOptions {
-  std::array<double, kMaxJoints> torque_limit_Nm{200.0, 200.0};
+  PerJoint torque_limit_Nm = everyJoint(200.0);
   double bandwidth_Hz = 0.0;  ///< first-order torque loop; 0: ideal
   double watchdog_s = 0.020;
   double report_noise_sd_Nm = 0.0;  ///< of the torque in the status frame, not of the torque itself
@@ -25,8 +25,8 @@ enum class DriveFault : std::uint8_t {
 
 /// A drive's torque under faults: gain · torque + extra, while the drive is enabled.
 struct DriveDisturbance {
-  std::array<double, kMaxJoints> gain{1.0, 1.0};
-  std::array<double, kMaxJoints> extra_Nm{};
+  PerJoint gain = everyJoint(1.0);
+  PerJoint extra_Nm{};
   bool operator==(const DriveDisturbance&) const noexcept = default;
 };
 

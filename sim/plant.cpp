@@ -35,6 +35,11 @@ Plant::Plant(model::DynamicsModel truth, model::DynamicsModel known, const Inter
     throw std::invalid_argument("plant: the interaction as printed, J h, needs 2 joints, the mechanism has " +
                                 std::to_string(n));
   }
+  if (has_interaction_ && truth_.mechanism().dimensions() != 2) {
+    throw std::invalid_argument(
+        "plant: the interaction force has 2 components, in the sagittal plane, the mechanism moves in 3; "
+        "expected a mechanism in the plane, or no interaction");
+  }
   truth_.reset(inputAt(state_, 0.0));
   known_.reset(inputAt(state_, 0.0));
 }

@@ -12,7 +12,7 @@ void requireBound(const Bound& bound, double value, std::string_view name) {
                bound.rehearsal_maximum);
 }
 
-void requireBound(const Bound& bound, const PerJoint& values) {
+void requireBound(const Bound& bound, std::span<const double> values) {
   for (std::size_t j = 0; j < values.size(); ++j) {
     requireBound(bound, values[j], std::string(bound.name) + "[" + std::to_string(j + 1) + "]");
   }

@@ -48,7 +48,7 @@ consteval Bound boundOf(std::string_view name) {
 /// Throws std::invalid_argument "<name> = <value>, expected <minimum> to <maximum>" outside of the row, as
 /// far as a rehearsal goes; NaN is refused. `name` stands for the row's own, where an index says more.
 void requireBound(const Bound& bound, double value, std::string_view name = {});
-/// The same for the value of every joint; joints are counted from 1.
-void requireBound(const Bound& bound, const PerJoint& values);
+/// The same for each of several values, such as those of the joints; they are counted from 1.
+void requireBound(const Bound& bound, std::span<const double> values);
 
 }  // namespace patella

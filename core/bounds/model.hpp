@@ -26,6 +26,13 @@ inline constexpr std::array kModel{
     number("mechanism.length_m (revolute)", "m", 0.01, 2, "as a link's"),
     number("mechanism.mass_kg (prismatic)", "kg", 1e-3, 1000, "a carriage; the benchmark's has 95"),
     number("mechanism.inclination_rad (prismatic)", "rad", -std::numbers::pi, std::numbers::pi, "half a turn either way is every direction"),
+    number("mechanism.gravity_m_s2 (serial_chain)", "m/s²", -10, 10, "of the vector in the base's frame, whose magnitude has the range above"),
+    number("mechanism.link.origin_m (serial_chain)", "m", -10, 10, "a rail of 10 m"),
+    number("mechanism.link.turn_rad (serial_chain)", "rad", -2 * std::numbers::pi, 2 * std::numbers::pi, "a turn either way is every direction"),
+    number("mechanism.link.axis (serial_chain)", "", -1, 1, "of a direction; its length is without effect, but not 0"),
+    number("mechanism.link.mass_kg (serial_chain)", "kg", 0, 1000, "a frame without a body; as a carriage's"),
+    number("mechanism.link.com_m (serial_chain)", "m", -10, 10, "as the origin's"),
+    number("mechanism.link.inertia_kg_m2 (serial_chain)", "kg·m²", -1000, 1000, "1000 kg with a radius of gyration of 1 m; products of inertia have either sign"),
 };
 // clang-format on
 

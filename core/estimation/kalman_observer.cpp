@@ -102,6 +102,10 @@ KalmanObserver::Motion KalmanObserver::motionAt(const KalmanVector& state,
                                         .time_s = input.time_s});
   motion.map.setZero(n, layout_.states());
   auto map = motion.map.middleCols(layout_.w(), layout_.unknowns);
+  if (forceless(*input.model)) {
+    map.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return motion;
+  }
   switch (settings_.space) {
     case Space::kJointTorque:
       map = motion.terms.inverse_inertia;
@@ -120,6 +124,11 @@ KalmanObserver::Motion KalmanObserver::motionAt(const KalmanVector& state,
     motion.map.middleCols(layout_.restBegin(), layout_.rest) = motion.terms.inverse_inertia;
   }
   return motion;
+}
+
+bool KalmanObserver::forceless(const model::DynamicsModel& dynamics) const noexcept {
+  const bool of_force = settings_.space == Space::kForce || settings_.space == Space::kForceAsPrinted;
+  return of_force && dynamics.mechanism().dimensions() != layout_.unknowns;
 }
 
 JointVector KalmanObserver::accelerationOf(const Motion& motion, const KalmanVector& state,

@@ -17,8 +17,9 @@ namespace patella::estimation {
 /// uncertainty. Measurements are taken one by one, without an inverse: J may be singular. Without a measured
 /// velocity (ObserverInput::has_velocity) the encoder's position alone is taken.
 ///
-/// ObserverInput::model must be given; without it, and after a sample that is no number, the estimate is NaN
-/// until reset(). Source: Simon, Optimal State Estimation (2006), chapters 6 and 13.
+/// ObserverInput::model must be given, in the plane where a force is sought; without it, and after a sample
+/// that is no number, the estimate is NaN until reset(). Source: Simon, Optimal State Estimation (2006),
+/// chapters 6 and 13.
 class KalmanObserver final : public Observer {
  public:
   /// Throws std::invalid_argument naming setting, value and expectation; a force as printed takes two joints.
@@ -51,6 +52,8 @@ class KalmanObserver final : public Observer {
     KalmanMap map;
   };
 
+  /// A force is sought that the mechanism, which moves in space, has no such components of.
+  bool forceless(const model::DynamicsModel& dynamics) const noexcept;
   Motion motionAt(const KalmanVector& state, const ObserverInput& input) const noexcept;
   JointVector accelerationOf(const Motion& motion, const KalmanVector& state,
                              const JointVector& torque_Nm) const noexcept;

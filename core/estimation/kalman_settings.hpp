@@ -1,8 +1,9 @@
 // Settings of a Kalman filter of the unknown dynamics: its noise, and the disturbance that it looks for.
 #pragma once
 
-#include <array>
 #include <cstdint>
+
+#include "core/types.hpp"
 
 namespace patella::estimation {
 
@@ -30,8 +31,8 @@ struct KalmanSettings {
   double velocity_noise_rad_s = 1e-2;  ///< likewise; not looked at where velocity is not measured
   double torque_noise_Nm = 1e-2;       ///< of the torque held over one step
   /// Density of the white drive of each component of w: N·m (N, rad/s²) per √s, and per s^{3/2} for a
-  /// constant rate.
-  std::array<double, 2> disturbance_density{5.0, 5.0};
+  /// constant rate. A force has two components, whatever the number of joints.
+  PerJoint disturbance_density = everyJoint(5.0);
   /// Standard deviation beyond which w counts as nought rather than as unknown: where a posture hides a part
   /// of w, as the straight knee hides the force along the leg, that part drifts no further. The rate of w is
   /// bounded by ten times this a second; at the start both are unknown by half their bounds.

@@ -5,8 +5,10 @@
 
 namespace patella::estimation {
 
-/// q, dq, w, the rate of w and the rest, each of kMaxJoints numbers at most.
-inline constexpr int kMaxKalmanStates = 5 * kMaxJoints;
+/// q, dq, w and the rate of w, each of kMaxJoints numbers at most; or, where w is a force of two components,
+/// the rest beside them, which is less.
+inline constexpr int kMaxKalmanStates = 4 * kMaxJoints;
+static_assert(kMaxKalmanStates >= 3 * kMaxJoints + 4);
 using KalmanVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxKalmanStates, 1>;
 using KalmanMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxKalmanStates,
                                    kMaxKalmanStates>;

@@ -10,8 +10,8 @@ namespace patella::estimation {
 struct MomentumParameters {
   enum class Order : std::uint8_t { kFirst, kSecond };
   Order order = Order::kSecond;
-  PerJoint bandwidth_Hz{5.0, 5.0};   ///< corner of the residual, as a low-pass on the true torque
-  PerJoint damping_ratio{0.7, 0.7};  ///< of the second order; looked at only there
+  PerJoint bandwidth_Hz = everyJoint(5.0);   ///< corner of the residual, as a low-pass on the true torque
+  PerJoint damping_ratio = everyJoint(0.7);  ///< of the second order; looked at only there
 };
 
 /// From p = I dq and dp = dI dq + tau − bias + d follows, without acceleration,

@@ -7,8 +7,8 @@
 namespace patella::estimation {
 
 struct SuperTwistingParameters {
-  PerJoint rate_bound{10.0, 10.0};  ///< alpha, rad/s³: must exceed the rate of change of f_u
-  PerJoint root_gain{5.0, 5.0};     ///< lambda, (rad/s³)^½; 1.5 √alpha is the usual choice
+  PerJoint rate_bound = everyJoint(10.0);  ///< alpha, rad/s³: must exceed the rate of change of f_u
+  PerJoint root_gain = everyJoint(5.0);    ///< lambda, (rad/s³)^½; 1.5 √alpha is the usual choice
 };
 
 /// With e = dq − xi,

@@ -1,14 +1,45 @@
 #include "core/model/dynamics_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 namespace patella::model {
 namespace {
 
-/// Inverse of a symmetric positive definite 1x1 or 2x2 matrix.
+/// By Cholesky's L Lᵀ = m, L⁻¹ below the diagonal in place, and L⁻ᵀ L⁻¹.
+JointMatrix inverseByFactor(const JointMatrix& m) noexcept {
+  const Eigen::Index n = m.rows();
+  JointMatrix factor = m;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double pivot = std::sqrt(factor(j, j) - factor.row(j).head(j).squaredNorm());
+    factor(j, j) = pivot;
+    for (Eigen::Index i = j + 1; i < n; ++i) {
+      factor(i, j) = (factor(i, j) - factor.row(i).head(j).dot(factor.row(j).head(j))) / pivot;
+    }
+  }
+  for (Eigen::Index j = 0; j < n; ++j) {
+    factor(j, j) = 1.0 / factor(j, j);
+    for (Eigen::Index i = j + 1; i < n; ++i) {
+      const double sum = factor.row(i).segment(j, i - j).dot(factor.col(j).segment(j, i - j));
+      factor(i, j) = -sum / factor(i, i);
+    }
+  }
+  JointMatrix result(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index i = 0; i <= j; ++i) {
+      result(i, j) = result(j, i) = factor.col(i).tail(n - j).dot(factor.col(j).tail(n - j));
+    }
+  }
+  return result;
+}
+
+/// Inverse of a symmetric positive definite matrix.
 JointMatrix inverse(const JointMatrix& m) noexcept {
+  if (m.rows() > 2) {
+    return inverseByFactor(m);
+  }
   JointMatrix result(m.rows(), m.cols());
   if (m.rows() == 1) {
     result(0, 0) = 1.0 / m(0, 0);
@@ -44,8 +75,9 @@ std::array<DriveLateness, kMaxJoints> DynamicsModel::driveLateness() const noexc
 
 ModelTerms DynamicsModel::evaluate(const EffectInput& input) const noexcept {
   ModelTerms terms;
-  terms.inertia = mechanism_->inertia(input.q);
-  terms.bias_Nm = mechanism_->coriolis(input.q, input.dq) * input.dq + mechanism_->gravity(input.q);
+  const RigidBodyTerms body = mechanism_->rigidBody(input.q, input.dq);
+  terms.inertia = body.inertia;
+  terms.bias_Nm = body.bias_Nm;
   terms.drive_Nm = JointVector::Zero(input.q.size());
   for (const auto& effect : effects_) {
     terms.inertia += effect->inertia(input.q);

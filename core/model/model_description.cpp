@@ -19,10 +19,16 @@ std::unique_ptr<Mechanism> mechanismOf(const RevoluteJointParameters& joint) {
 std::unique_ptr<Mechanism> mechanismOf(const PrismaticJointParameters& axis) {
   return std::make_unique<PrismaticJoint>(axis);
 }
+std::unique_ptr<Mechanism> mechanismOf(const SerialChainParameters& chain) {
+  return std::make_unique<SerialChain>(chain);
+}
 
 }  // namespace
 
 int ModelDescription::joints() const noexcept {
+  if (const auto* chain = std::get_if<SerialChainParameters>(&mechanism)) {
+    return chain->joints();
+  }
   return std::holds_alternative<PlanarTwoLinkParameters>(mechanism) ? 2 : 1;
 }
 
@@ -45,10 +51,12 @@ ModelDescription describeModel(const DynamicsModel& dynamics) {
     description.mechanism = joint->parameters();
   } else if (const auto* axis = dynamic_cast<const PrismaticJoint*>(mechanism)) {
     description.mechanism = axis->parameters();
+  } else if (const auto* chain = dynamic_cast<const SerialChain*>(mechanism)) {
+    description.mechanism = chain->parameters();
   } else {
     throw std::invalid_argument(
         "this mechanism has no form in model files, expected one of 'planar_two_link', "
-        "'revolute', 'prismatic'");
+        "'revolute', 'prismatic', 'serial_chain'");
   }
   for (const auto& effect : dynamics.effects()) {
     const std::span<const double> values = effect->parameters();

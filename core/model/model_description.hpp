@@ -8,6 +8,7 @@
 #include "core/model/dynamics_model.hpp"
 #include "core/model/one_dof.hpp"
 #include "core/model/planar_two_link.hpp"
+#include "core/model/serial_chain.hpp"
 
 namespace patella::model {
 
@@ -17,8 +18,8 @@ struct EffectDescription {
   std::vector<double> parameters;  ///< in the order of the kind's descriptor
 };
 
-using MechanismDescription =
-    std::variant<PlanarTwoLinkParameters, RevoluteJointParameters, PrismaticJointParameters>;
+using MechanismDescription = std::variant<PlanarTwoLinkParameters, RevoluteJointParameters,
+                                          PrismaticJointParameters, SerialChainParameters>;
 
 struct ModelDescription {
   MechanismDescription mechanism;

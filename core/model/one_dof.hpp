@@ -27,7 +27,9 @@ class RevoluteJoint final : public Mechanism {
   Jacobian jacobian(const JointVector& q) const noexcept override;
   PointMotion pointMotion(int joint, double distance_m, const JointVector& q,
                           const JointVector& dq) const noexcept override;
-  double gravityAcceleration() const noexcept override { return parameters_.gravity_m_s2; }
+  SpaceVector againstGravity() const noexcept override {
+    return Eigen::Vector2d(0.0, parameters_.gravity_m_s2);
+  }
   double kineticEnergy(const JointVector& q, const JointVector& dq) const noexcept override;
   double potentialEnergy(const JointVector& q) const noexcept override;
 
@@ -62,7 +64,9 @@ class PrismaticJoint final : public Mechanism {
   Jacobian jacobian(const JointVector& q) const noexcept override;
   PointMotion pointMotion(int joint, double distance_m, const JointVector& q,
                           const JointVector& dq) const noexcept override;
-  double gravityAcceleration() const noexcept override { return parameters_.gravity_m_s2; }
+  SpaceVector againstGravity() const noexcept override {
+    return Eigen::Vector2d(0.0, parameters_.gravity_m_s2);
+  }
   double kineticEnergy(const JointVector& q, const JointVector& dq) const noexcept override;
   double potentialEnergy(const JointVector& q) const noexcept override;
 

@@ -43,7 +43,8 @@ void DriveMonitor::commanded(const Command& command) noexcept PATELLA_NONBLOCKIN
 bool DriveMonitor::follows(const Measurement& measurement) const noexcept {
   const bool some_enabled = std::any_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
   const bool all_enabled = std::all_of(sent_.begin(), sent_.end(), [](const Sent& s) { return s.enable; });
-  for (const EnabledReport& report : measurement.drive_enabled) {
+  for (int j = 0; j < joints_; ++j) {
+    const EnabledReport& report = measurement.drive_enabled[static_cast<std::size_t>(j)];
     if (report.bound && ((report.was_enabled && !some_enabled) || (report.was_disabled && all_enabled))) {
       return false;
     }

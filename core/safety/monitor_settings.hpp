@@ -20,7 +20,7 @@ struct MotionMonitorSettings {
   double unknown_time_s = 0.05;
   /// Distance from the reference for longer than following_time_s while active; joints without stiffness go
   /// where the patient takes them and are left out.
-  PerJoint following_rad{0.6, 0.6};
+  PerJoint following_rad = everyJoint(0.6);
   double following_time_s = 0.2;
 };
 

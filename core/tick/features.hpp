@@ -15,7 +15,8 @@ namespace patella::tick {
 inline constexpr int kRiseTimes = 3;
 inline constexpr std::array<double, kRiseTimes> kRiseTimes_s{0.02, 0.06, 0.18};
 
-/// Index of a quantity in FeatureVector. Quantities of the second joint follow those of the first.
+/// Index of a quantity in FeatureVector. Quantities of the second joint follow those of the first, with room
+/// for kMaxJoints.
 enum Feature : int {
   kPosition = 0,
   kVelocity = kPosition + kMaxJoints,
@@ -39,7 +40,8 @@ const std::array<std::string_view, kFeatureCount>& featureNames() noexcept;
 /// Positions in FeatureVector of the features a network wants, in its order.
 using FeatureSelection = std::vector<int>;
 
-/// Throws std::invalid_argument naming the unknown feature and all known ones.
-FeatureSelection selectFeatures(const std::vector<std::string>& names);
+/// Throws std::invalid_argument naming the unknown feature and all known ones; those of joints that the
+/// mechanism does not have are unknown.
+FeatureSelection selectFeatures(const std::vector<std::string>& names, int joints);
 
 }  // namespace patella::tick

@@ -32,7 +32,8 @@ class DriveReports {
       span.fresh = false;
     }
     bool had_fault = false;
-    for (std::size_t joint = 0; joint < kMaxJoints; ++joint) {
+    for (std::size_t joint = 0; joint < static_cast<std::size_t>(measurement.drive_torque_Nm.size());
+         ++joint) {
       EnabledReport& report = measurement.drive_enabled[joint];
       report.was_enabled = enabled_[joint].was(true);
       report.was_disabled = enabled_[joint].was(false);

@@ -23,6 +23,7 @@ std::int64_t toNanoseconds(const Bound& bound, double seconds) {
 
 MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& map, int joints)
     : joints_(joints),
+      indices_(static_cast<std::size_t>(std::max(joints, kMaxEmgChannels))),
       position_min_rad_(map.position_min_rad),
       position_max_rad_(map.position_max_rad),
       position_jump_rad_(map.position_jump_rad),
@@ -78,6 +79,14 @@ MeasurementDecoder::MeasurementDecoder(const Database& database, const BusMap& m
   }
 }
 
+InputId MeasurementDecoder::inputIn(const Binding& binding, int joints) {
+  try {
+    return inputOf(binding.input, joints);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument((binding.origin.empty() ? "" : binding.origin + ": ") + error.what());
+  }
+}
+
 MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Database& database,
                                                                    const BusMap& map,
                                                                    const std::string& name) {
@@ -95,7 +104,7 @@ MeasurementDecoder::BoundMessage& MeasurementDecoder::boundMessage(const Databas
 
 void MeasurementDecoder::bind(const Database& database, const BusMap& map, const Binding& binding) {
   const std::string quoted = "input '" + binding.input + "'";
-  const InputId id = inputOf(binding.input, joints_);
+  const InputId id = inputIn(binding, joints_);
   const auto [input, index] = id;
   const InputGroup group = id.kind().group;
   requireBound(boundOf("input.scale"), binding.scale, quoted + ": scale");
@@ -369,7 +378,7 @@ BusSet MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const no
   for (std::size_t input = 0; input < kInputCount; ++input) {
     if (kInputKinds[input].group != group)
       continue;
-    for (std::size_t i = 0; i < kMaxIndex; ++i) {
+    for (std::size_t i = 0; i < indices_; ++i) {
       if (seen_[input][i] && now_ns - stored_ns_[input][i] > timeouts_ns_[group])
         buses = static_cast<BusSet>(buses | busBit(buses_[input][i]));
     }
@@ -380,11 +389,12 @@ BusSet MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const no
 Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   measurement_.encoder_steps = encoder_samples_.take();
   measurement_.emg_steps = emg_samples_.take();
-  Reading reading;
-  const auto fault = [&reading](safety::Fault what, BusSet buses) {
+  safety::FaultSet faults;
+  BusSet fault_buses = 0;
+  const auto fault = [&](safety::Fault what, BusSet buses) {
     if (buses != 0)
-      reading.faults.add(what);
-    reading.fault_buses = static_cast<BusSet>(reading.fault_buses | buses);
+      faults.add(what);
+    fault_buses = static_cast<BusSet>(fault_buses | buses);
   };
   fault(safety::Fault::kEncoderStale, stale(kEncoderGroup, now_ns));
   fault(safety::Fault::kDriveStale, stale(kDriveGroup, now_ns));
@@ -394,7 +404,7 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
     measurement_.operator_enable = measurement_.operator_reset = false;
   }
   if (drive_reports_.finish(measurement_))
-    reading.faults.add(safety::Fault::kDriveFault);
+    faults.add(safety::Fault::kDriveFault);
   for (const BoundMessage& message : messages_) {
     const BusSet bus = busBit(message.decoder.layout().bus());
     if (message.corrupt.tooMany(tolerated_))
@@ -404,17 +414,16 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
     if (message.groups[kEncoderGroup] && message.implausible.tooMany(tolerated_))
       fault(safety::Fault::kEncoderImplausible, bus);
   }
-  reading.complete = true;
+  bool complete = true;
   for (std::size_t input = 0; input < kInputCount; ++input) {
     if (kInputKinds[input].group == kNoTimeout)
       continue;
-    for (std::size_t i = 0; i < kMaxIndex; ++i) {
+    for (std::size_t i = 0; i < indices_; ++i) {
       if (bound_[input][i] && !seen_[input][i])
-        reading.complete = false;
+        complete = false;
     }
   }
-  reading.measurement = measurement_;
-  return reading;
+  return {.measurement = measurement_, .faults = faults, .fault_buses = fault_buses, .complete = complete};
 }
 
 }  // namespace patella::can

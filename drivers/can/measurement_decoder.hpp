@@ -108,6 +108,7 @@ class MeasurementDecoder {
 
   using Values = std::array<double, kMaxInputs>;
 
+  static InputId inputIn(const Binding& binding, int joints);
   BoundMessage& boundMessage(const Database& database, const BusMap& map, const std::string& name);
   void bind(const Database& database, const BusMap& map, const Binding& binding);
   void requireAllOrNone(Input input) const;
@@ -132,6 +133,7 @@ class MeasurementDecoder {
   BusSet stale(InputGroup group, std::int64_t now_ns) const noexcept;
 
   int joints_;
+  std::size_t indices_;  ///< that some input has: joints or EMG channels
   std::array<std::int64_t, kInputGroupCount> timeouts_ns_{};
   double position_min_rad_;
   double position_max_rad_;

@@ -139,7 +139,27 @@ auto located(const std::filesystem::path& path, Make&& make) {
   try {
     return make();
   } catch (const std::invalid_argument& error) {
-    throw FileError(path.string() + ": " + error.what());
+    const std::string what = error.what();
+    throw FileError(what.starts_with(path.string()) ? what : path.string() + ": " + what);
+  }
+}
+
+void requireConfiguredJoints(const RunConfig& config) {
+  if (config.model.joints() > kMaxConfiguredJoints) {
+    throw FileError(config.model_path.string() + ": a mechanism of " + std::to_string(config.model.joints()) +
+                    " joints, expected at most " + std::to_string(kMaxConfiguredJoints) +
+                    ": the keys of a run, such as emg.gain1_Nm and emg.gain2_Nm, are for two");
+  }
+}
+
+// A force has the two components of the sagittal plane, and a chain moves in space.
+void requirePlaneForForce(const RunConfig& config) {
+  if (config.observer.kind == ObserverKind::kKalmanForce &&
+      std::holds_alternative<model::SerialChainParameters>(config.model.mechanism)) {
+    throw FileError(
+        config.path.string() +
+        ": key 'estimation.observer': value 'kalman_force' with a serial_chain, expected one of the "
+        "others: its force lies in the plane of the leg");
   }
 }
 
@@ -147,7 +167,7 @@ auto located(const std::filesystem::path& path, Make&& make) {
 // every second, third … sample: returns which.
 int checkNetworkFits(const network::NetworkWeights& weights, const RunConfig& config) {
   constexpr double kRateTolerance = 1e-6;
-  tick::selectFeatures(weights.features);
+  tick::selectFeatures(weights.features, config.model.joints());
   const auto outputs = static_cast<int>(weights.output_weight.rows());
   if (outputs != config.model.joints()) {
     throw std::invalid_argument("the network has " + std::to_string(outputs) + " outputs, expected " +
@@ -215,6 +235,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.model_path = *command_line.model;
   }
   config.model = loadModel(config.model_path);
+  requireConfiguredJoints(config);
   config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal, busNames(config.buses));
   if (root.has("weights")) {
     config.weights_path = root.path("weights");
@@ -226,6 +247,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.weights = loadNetworkWeights(config.weights_path, &config.weights_sealed);
   }
   readTickConfig(root, config);
+  requirePlaneForForce(config);
   if (command_line.reference) {
     loadReference(*command_line.reference, config);
   }

@@ -10,6 +10,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/base_parameters.hpp"
 #include "firmware_app/files/bounded.hpp"
+#include "firmware_app/files/chain_table.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
@@ -25,6 +26,7 @@ using model::RevoluteJointParameters;
 constexpr const char* kPlanarTwoLink = "planar_two_link";
 constexpr const char* kRevolute = "revolute";
 constexpr const char* kPrismatic = "prismatic";
+constexpr const char* kSerialChain = "serial_chain";
 
 template <typename... Visitors>
 struct Overloaded : Visitors... {
@@ -64,7 +66,10 @@ PlanarTwoLinkParameters readBaseParameters(const TomlTable& mechanism, double gr
 
 MechanismDescription readMechanism(const TomlTable& table) {
   const std::string kind =
-      table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic});
+      table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic, kSerialChain});
+  if (kind == kSerialChain) {
+    return readChain(table);
+  }
   const double gravity = number(table, boundOf("mechanism.gravity_m_s2"), 9.81);
   if (kind == kPlanarTwoLink && table.has("base_parameters")) {
     return readBaseParameters(table, gravity);
@@ -153,6 +158,9 @@ std::string mechanismText(const MechanismDescription& description) {
                           assignment("inclination_rad", axis.inclination_rad,
                                      "rad; direction of motion above the horizontal") +
                           assignment("gravity_m_s2", axis.gravity_m_s2, gravity_comment);
+                 },
+                 [&](const model::SerialChainParameters& chain) {
+                   return kindLine(kSerialChain) + chainText(chain);
                  }},
              description);
 }

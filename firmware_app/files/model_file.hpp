@@ -12,7 +12,8 @@ namespace patella::app {
 
 /// Reads and checks a model file. Throws FileError "file:line: key 'effect[2].joint': value 3, expected ...",
 /// also for unknown keys, kinds and parameters. Two links may be given by `base_parameters`, see
-/// base_parameters.hpp; they are then written with masses and centres of mass.
+/// base_parameters.hpp; they are then written with masses and centres of mass. A chain may be that of a URDF,
+/// see chain_table.hpp; it is then written link by link.
 model::ModelDescription loadModel(const std::filesystem::path& path);
 /// `name` stands for the file in messages.
 model::ModelDescription parseModel(std::string_view text, const std::string& name);

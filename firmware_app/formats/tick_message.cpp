@@ -23,10 +23,11 @@ constexpr std::array kTypes = {Type{FieldType::kFloat64, "float64"}, Type{FieldT
                                Type{FieldType::kUint32, "uint32"}};
 
 // Columns that hold whole numbers.
-constexpr std::array<std::pair<std::string_view, FieldType>, 5> kWholeNumbers = {
+constexpr std::array<std::pair<std::string_view, FieldType>, 6> kWholeNumbers = {
     {{"state", FieldType::kUint8},
      {"faults", FieldType::kUint32},
      {"limits", FieldType::kUint32},
+     {"limits_from_joint5", FieldType::kUint32},
      {"encoder_steps", FieldType::kUint8},
      {"missed_periods", FieldType::kUint32}}};
 

@@ -70,11 +70,11 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
   enter(probe_, Stage::kLinesIn);
   const safety::FaultSet faults = reading.faults | hostFaults(scheduled_ns, missed);
 
-  tick::TickInput input;
-  input.measurement = reading.measurement;
-  input.faults = faults;
-  input.complete = reading.complete;
-  input.time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond);
+  const tick::TickInput input{
+      .measurement = reading.measurement,
+      .faults = faults,
+      .complete = reading.complete,
+      .time_s = static_cast<double>(scheduled_ns - start_ns_) / static_cast<double>(kNanosecondsPerSecond)};
   const tick::TickOutput& output = tick_.step(input);
   entry_.after(output.state);
   chooseControlwords();

@@ -16,7 +16,7 @@ namespace patella::app {
 /// Mean, RMS and maximum of |estimate − f_u| where the rig tells the truth.
 struct ErrorStatistics {
   std::uint64_t count = 0;
-  JointArray sum{}, sum_of_squares{}, maximum{};
+  PerJoint sum{}, sum_of_squares{}, maximum{};
   void add(const JointVector& estimate, const JointVector& truth) noexcept PATELLA_NONBLOCKING;
 };
 
@@ -43,9 +43,9 @@ struct LoopStatistics {
   ErrorStatistics sampler_error;   ///< of the observer as it comes
   ErrorStatistics filtered_error;  ///< of the same behind its low-pass, which is what compensates
   ErrorStatistics network_error;
-  JointArray tracking_sum_of_squares{};  ///< rad², while active and a reference exists
-  JointArray f_s_sum_of_squares{};       ///< (rad/s²)², of the filtered estimate while active
-  JointArray d_hat_sum_of_squares{};     ///< (N·m)², likewise
+  PerJoint tracking_sum_of_squares{};  ///< rad², while active and a reference exists
+  PerJoint f_s_sum_of_squares{};       ///< (rad/s²)², of the filtered estimate while active
+  PerJoint d_hat_sum_of_squares{};     ///< (N·m)², likewise
   std::uint64_t tracking_count = 0;
 };
 

@@ -368,8 +368,11 @@ bool Recorder::behind() noexcept PATELLA_NONBLOCKING {
 }
 
 void Recorder::tick(const TickRecord& record) noexcept PATELLA_NONBLOCKING {
-  const Entry entry{record, accepted_frames_};
-  while (!ticks_.push(entry)) {
+  const auto write = [&](Entry& entry) noexcept {
+    copyRecord(record, entry.record);
+    entry.frames = accepted_frames_;
+  };
+  while (!ticks_.pushBy(write)) {
     if (!options_.lossless) {
       ++dropped_ticks_;
       return;

@@ -78,8 +78,8 @@ class Recorder {
  private:
   class Files;
   struct Entry {
-    TickRecord record;
     std::uint64_t frames = 0;  ///< accepted so far, those of this tick included
+    TickRecord record;
   };
   void write(Files& files);
   bool writeFrames(Files& files, std::uint64_t count);

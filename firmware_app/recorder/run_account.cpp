@@ -9,13 +9,33 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr unsigned kLimitBitsPerJoint = 8;
 
-JointArray toArray(const JointVector& vector) noexcept PATELLA_NONBLOCKING {
-  JointArray out;
-  out.fill(kUnknown);
-  for (Eigen::Index i = 0; i < vector.size(); ++i) {
-    out[static_cast<std::size_t>(i)] = vector[i];
-  }
-  return out;
+/// The joint's number, or not known where the vector has none.
+double of(const JointVector& vector, Eigen::Index joint) noexcept {
+  return joint < vector.size() ? vector[joint] : kUnknown;
+}
+
+void fill(JointRecord& r, const TickReport& report, Eigen::Index j) noexcept PATELLA_NONBLOCKING {
+  const Measurement& measurement = report.measurement;
+  const tick::TickOutput& output = report.output;
+  const auto index = static_cast<std::size_t>(j);
+  r.q_rad = measurement.position_rad[j];
+  r.dq_rad_s = of(output.velocity_rad_s, j);
+  r.drive_torque_Nm = of(measurement.drive_torque_Nm, j);
+  r.drive_temperature_degC = measurement.drive_temperature_degC[index];
+  r.drive_error = measurement.drive_error[index];
+  r.reference_rad = of(output.reference.q, j);
+  r.reference_rad_s = of(output.reference.dq, j);
+  r.f_s_rad_s2 = of(output.f_s, j);
+  r.f_s_filtered_rad_s2 = of(output.f_s_filtered, j);
+  r.f_network_rad_s2 = output.has_network ? of(output.f_network, j) : kUnknown;
+  r.f_true_rad_s2 = measurement.has_truth ? of(measurement.true_f_u, j) : kUnknown;
+  r.d_hat_Nm = of(output.d_hat_Nm, j);
+  r.torque_gravity_Nm = of(output.control.gravity, j);
+  r.torque_model_Nm = of(output.control.model, j);
+  r.torque_emg_Nm = of(output.control.emg, j);
+  r.torque_impedance_Nm = of(output.control.impedance, j);
+  r.torque_compensation_Nm = of(output.control.compensation, j);
+  r.torque_command_Nm = of(report.sent.torque_Nm, j);
 }
 
 void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING {
@@ -28,30 +48,16 @@ void fill(TickRecord& r, const TickReport& report) noexcept PATELLA_NONBLOCKING 
   r.wakeup_latency_ns = report.wakeup_latency_ns;
   r.execution_ns = report.execution_ns;
   r.sensor_latency_ns = report.sensor_latency_ns.value_or(-1);
-  r.q_rad = toArray(measurement.position_rad);
-  r.dq_rad_s = toArray(output.velocity_rad_s);
-  r.drive_torque_Nm = toArray(measurement.drive_torque_Nm);
-  r.drive_temperature_degC = measurement.drive_temperature_degC;
-  r.drive_error = measurement.drive_error;
   r.emg_mV = measurement.emg_mV;
   r.activation = output.activation;
-  r.reference_rad = toArray(output.reference.q);
-  r.reference_rad_s = toArray(output.reference.dq);
-  r.f_s_rad_s2 = toArray(output.f_s);
-  r.f_s_filtered_rad_s2 = toArray(output.f_s_filtered);
-  r.f_network_rad_s2 = output.has_network ? toArray(output.f_network) : toArray(JointVector());
-  r.f_true_rad_s2 = measurement.has_truth ? toArray(measurement.true_f_u) : toArray(JointVector());
-  r.d_hat_Nm = toArray(output.d_hat_Nm);
-  r.torque_gravity_Nm = toArray(output.control.gravity);
-  r.torque_model_Nm = toArray(output.control.model);
-  r.torque_emg_Nm = toArray(output.control.emg);
-  r.torque_impedance_Nm = toArray(output.control.impedance);
-  r.torque_compensation_Nm = toArray(output.control.compensation);
-  r.torque_command_Nm = toArray(report.sent.torque_Nm);
   r.faults = output.faults.bits();
   r.limits = 0;
+  r.joints = static_cast<std::uint32_t>(measurement.position_rad.size());
+  for (std::uint32_t joint = 0; joint < r.joints; ++joint) {
+    fill(r.joint[joint], report, joint);
+  }
   for (std::size_t joint = 0; joint < output.limits.size(); ++joint) {
-    r.limits |= static_cast<std::uint32_t>(output.limits[joint].bits()) << (kLimitBitsPerJoint * joint);
+    r.limits |= static_cast<std::uint64_t>(output.limits[joint].bits()) << (kLimitBitsPerJoint * joint);
   }
   r.state = static_cast<std::uint8_t>(output.state);
   r.notices = report.notices;

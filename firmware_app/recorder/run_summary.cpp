@@ -273,7 +273,7 @@ Json summarise(const RunConfig& config, const std::vector<InputFile>& files, con
   }
   estimation(config, loop, out);
   if (loop.tracking_count > 0) {
-    const auto rms = [&](const JointArray& sum_of_squares, int joint) {
+    const auto rms = [&](const PerJoint& sum_of_squares, int joint) {
       return std::sqrt(sum_of_squares[static_cast<std::size_t>(joint)] /
                        static_cast<double>(loop.tracking_count));
     };

@@ -11,24 +11,26 @@
 
 namespace patella::app {
 
-/// Quiet NaN stands for "not known in this tick" (no reference, no truth, no network) and is an empty cell in
-/// the CSV.
-using JointArray = std::array<double, kMaxJoints>;
+/// What belongs to one joint. Quiet NaN stands for "not known in this tick" (no reference, no truth, no
+/// network) and is an empty cell in the CSV.
+struct JointRecord {
+  double q_rad = 0.0, dq_rad_s = 0.0, drive_torque_Nm = 0.0;
+  double reference_rad = 0.0, reference_rad_s = 0.0;
+  double f_s_rad_s2 = 0.0, f_s_filtered_rad_s2 = 0.0, f_network_rad_s2 = 0.0, f_true_rad_s2 = 0.0,
+         d_hat_Nm = 0.0;
+  double torque_gravity_Nm = 0.0, torque_model_Nm = 0.0, torque_emg_Nm = 0.0, torque_impedance_Nm = 0.0;
+  double torque_compensation_Nm = 0.0, torque_command_Nm = 0.0;
+  double drive_temperature_degC = 0.0, drive_error = 0.0;
+};
 
 struct TickRecord {
   std::uint64_t tick = 0;
   double time_s = 0.0;       ///< scheduled instant of the tick since the start of the loop
   std::int64_t wall_ns = 0;  ///< the same instant by the wall clock, since 1970
-  JointArray q_rad{}, dq_rad_s{}, drive_torque_Nm{};
-  JointArray reference_rad{}, reference_rad_s{};
-  JointArray f_s_rad_s2{}, f_s_filtered_rad_s2{}, f_network_rad_s2{}, f_true_rad_s2{}, d_hat_Nm{};
-  JointArray torque_gravity_Nm{}, torque_model_Nm{}, torque_emg_Nm{}, torque_impedance_Nm{};
-  JointArray torque_compensation_Nm{}, torque_command_Nm{};
-  JointArray drive_temperature_degC{}, drive_error{};
   EmgArray emg_mV{}, activation{};
   std::uint32_t faults = 0;    ///< FaultSet of this tick
   std::uint32_t warnings = 0;  ///< safety::WarningSet
-  std::uint32_t limits = 0;    ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8
+  std::uint64_t limits = 0;    ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8 and so on
   std::uint8_t state = 0;      ///< safety::State
   std::uint8_t encoder_steps = 0;
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
@@ -39,7 +41,13 @@ struct TickRecord {
       -1;  ///< encoder frame to torque frame, bus stamps; −1 without a new encoder frame
   canopen::NodeNotices notices{};  ///< what CANopen drives said of themselves
   can::BusSet fault_buses = 0;     ///< that the faults are about
+  std::uint32_t joints = 0;        ///< of the mechanism
+  /// The last member, so that what a record of few joints costs to hand on does not grow with kMaxJoints.
+  std::array<JointRecord, kMaxJoints> joint{};
 };
+
+/// Copies all but the joints beyond the mechanism's.
+void copyRecord(const TickRecord& from, TickRecord& to) noexcept PATELLA_NONBLOCKING;
 
 /// A column of ticks.csv: header name with unit, and where the number stands.
 struct TickColumn {

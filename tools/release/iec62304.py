@@ -20,6 +20,7 @@ PURPOSES = {
     "cli11": "command lines of the programs",
     "cmake": "build and packaging",
     "dpkg": "makes the Debian package",
+    "console-bridge": "messages of the URDF reader, before the loop starts",
     "edflib": "EMG and motion as BDF+, in the converter",
     "eigen3": "vectors and matrices of every tick",
     "fmtlib": "text of messages and files, outside the loop thread",
@@ -32,7 +33,10 @@ PURPOSES = {
     "ninja-build": "runs the build",
     "nlohmann-json3": "summary.json and the header of weights",
     "spdlog": "events, outside the loop thread",
+    "tinyxml": "XML of the URDF reader, before the loop starts",
     "tomlplusplus": "configuration, models and maps, before the loop starts",
+    "urdfdom": "URDF files of chains, before the loop starts",
+    "urdfdom-headers": "URDF files of chains, before the loop starts",
     "zlib": "CRC-32 of MCAP recordings, outside the loop thread",
 }
 KINDS = {"Library": "shared library", "Headers": "headers", "Tool": "build tool"}

@@ -27,11 +27,10 @@ std::string testText(const std::optional<Score>& test) {
   if (!test) {
     return "none: nothing was held out";
   }
-  const std::size_t joints = test->zero.rms[1] == 0.0 ? 1 : static_cast<std::size_t>(kMaxJoints);
   return nlohmann::json{{"steps", test->steps},
-                        {"network", errorsJson(test->network, joints)},
-                        {"observer", errorsJson(test->observer, joints)},
-                        {"nothing", errorsJson(test->zero, joints)}}
+                        {"network", errorsJson(test->network, test->joints)},
+                        {"observer", errorsJson(test->observer, test->joints)},
+                        {"nothing", errorsJson(test->zero, test->joints)}}
       .dump();
 }
 

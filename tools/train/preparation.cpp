@@ -175,7 +175,8 @@ Sequence makeSequence(const Observed& observed, const Rows& reference, const Pre
   const Eigen::Index stride = strideOf(observed.rate_Hz, options.rate_Hz);
   const auto ahead = static_cast<Eigen::Index>(std::llround(options.horizon_s * observed.rate_Hz));
   const Eigen::Index usable = reference.rows() - ahead;
-  const tick::FeatureSelection selection = tick::selectFeatures(options.features);
+  const tick::FeatureSelection selection =
+      tick::selectFeatures(options.features, static_cast<int>(reference.cols()));
   Sequence sequence;
   sequence.rate_Hz = options.rate_Hz;
   const Eigen::Index steps = usable > 0 ? (usable - 1) / stride + 1 : 0;

@@ -49,6 +49,7 @@ Score scoreOf(const network::NetworkWeights& weights, std::span<const Sequence> 
       continue;
     }
     const Rows delivered = deliveredOf(weights, sequence);
+    score.joints = static_cast<std::size_t>(delivered.cols());
     const Rows zero = Rows::Zero(delivered.rows(), delivered.cols());
     for (Eigen::Index step = 0; step < sequence.steps(); ++step) {
       if (sequence.role[static_cast<std::size_t>(step)] == role) {
@@ -73,8 +74,7 @@ std::string scoreText(const Score& score, network::OutputKind output) {
   std::string text = fmt::format("  {:<34}{:>12}{:>12}{:>12}\n",
                                  fmt::format("{} steps, errors in {}", score.steps, unitOf(output)),
                                  "network", "observer", "nothing");
-  const auto joints = static_cast<std::size_t>(kMaxJoints);
-  for (std::size_t joint = 0; joint < joints; ++joint) {
+  for (std::size_t joint = 0; joint < score.joints; ++joint) {
     if (score.zero.rms[joint] == 0.0) {
       continue;
     }

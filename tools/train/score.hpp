@@ -12,12 +12,13 @@ namespace patella::train {
 
 /// Errors against the reference, joint by joint, in the unit of the network's output.
 struct Errors {
-  std::array<double, kMaxJoints> mean_absolute{};
-  std::array<double, kMaxJoints> rms{};
+  PerJoint mean_absolute{};
+  PerJoint rms{};
 };
 
 struct Score {
   std::size_t steps = 0;
+  std::size_t joints = 0;
   Errors network;   ///< what the loop would deliver, by the loop's own kernel
   Errors observer;  ///< the observer's filtered estimate alone; of a forecast, held
   Errors zero;      ///< saying nothing

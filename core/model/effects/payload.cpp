@@ -1,5 +1,8 @@
 #include "core/model/effects/payload.hpp"
 
+#include <stdexcept>
+#include <string>
+
 namespace patella::model {
 namespace {
 
@@ -14,12 +17,18 @@ constinit const EffectDescriptor Payload::kDescriptor{
     "Siciliano et al., Robotics: Modelling, Planning and Control, Section 7.1", kParameters};
 
 Payload::Payload(int joint, const Mechanism& mechanism, std::span<const double> parameters)
-    : JointEffect(joint, parameters), mechanism_(&mechanism) {}
+    : JointEffect(joint, parameters), mechanism_(&mechanism) {
+  if (parameter(1) != 0.0 && !mechanism.hasSegment(joint)) {
+    throw std::invalid_argument("payload: distance_m = " + std::to_string(parameter(1)) +
+                                ", expected 0: the segment of joint " + std::to_string(joint + 1) +
+                                " has no length, and so no direction");
+  }
+}
 
 JointVector Payload::torque(const EffectInput& input) const noexcept {
   const PointMotion point = mechanism_->pointMotion(joint(), parameter(1), input.q, input.dq);
-  const Eigen::Vector2d against_gravity(0.0, mechanism_->gravityAcceleration());
-  return -parameter(0) * (point.jacobian.transpose() * (point.bias_acceleration + against_gravity));
+  return -parameter(0) *
+         (point.jacobian.transpose() * (point.bias_acceleration + mechanism_->againstGravity()));
 }
 
 JointMatrix Payload::inertia(const JointVector& q) const noexcept {

@@ -31,20 +31,18 @@ app::RunConfig demonstration(double duration_s, const std::string& backend, cons
 network::NetworkWeights randomNetwork(int lstm_layers) {
   constexpr int kHidden = 128;
   constexpr int kChannels = 64;
+  constexpr int kJoints = 2;
   network::NetworkWeights weights;
   weights.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "time_s"};
   const auto inputs = static_cast<Eigen::Index>(weights.features.size());
   weights.feature_mean = Eigen::VectorXd::Zero(inputs);
   weights.feature_scale = Eigen::VectorXd::Ones(inputs);
-  weights.output_mean = Eigen::VectorXd::Zero(kMaxJoints);
-  weights.output_scale = Eigen::VectorXd::Ones(kMaxJoints);
+  weights.output_mean = Eigen::VectorXd::Zero(kJoints);
+  weights.output_scale = Eigen::VectorXd::Ones(kJoints);
   weights.lstm.resize(static_cast<std::size_t>(lstm_layers));
   std::mt19937 random(1);
-  const network::NetworkShape shape{.inputs = inputs,
-                                    .hidden = kHidden,
-                                    .layers = lstm_layers,
-                                    .channels = kChannels,
-                                    .outputs = kMaxJoints};
+  const network::NetworkShape shape{
+      .inputs = inputs, .hidden = kHidden, .layers = lstm_layers, .channels = kChannels, .outputs = kJoints};
   network::visitTensors(
       weights, shape, [&](const std::string&, auto& tensor, Eigen::Index rows, Eigen::Index cols) {
         tensor.resize(rows, cols);

@@ -49,15 +49,15 @@ TEST_CASE("nor does it with any other observer, each of which finds what the mod
     app::RunConfig config = test::demonstration(2.0);
     config.observer.kind = kind;
     config.observer.terminal_sliding.switching = 60.0;
-    config.observer.momentum.bandwidth_Hz = config.observer.extended_state_bandwidth_Hz = {10.0, 10.0};
-    config.observer.super_twisting = {.rate_bound = {500.0, 500.0}, .root_gain = {30.0, 30.0}};
+    config.observer.momentum.bandwidth_Hz = config.observer.extended_state_bandwidth_Hz = everyJoint(10.0);
+    config.observer.super_twisting = {.rate_bound = everyJoint(500.0), .root_gain = everyJoint(30.0)};
     config.observer.kalman = {.space = kind == ObserverKind::kKalmanForce
                                            ? estimation::KalmanSettings::Space::kForce
                                            : estimation::KalmanSettings::Space::kJointTorque,
                               .position_noise_rad = 1.4e-5,
                               .velocity_noise_rad_s = 5e-4,
                               .torque_noise_Nm = 0.1,
-                              .disturbance_density = {300.0, 300.0},
+                              .disturbance_density = everyJoint(300.0),
                               .disturbance_limit = 200.0,
                               .rest_density_Nm = 10.0};
     const app::LoopStatistics statistics = test::runInLockStep(config, false);

@@ -345,6 +345,19 @@ const std::vector<Carrier>& carriers() {
         "shank_inertia_kg_m2 = 0.37, thigh_moment_kg_m = 2.98, shank_moment_kg_m = 1.06 }\n"));
     made.push_back(model("kind = \"revolute\"\ninertia_kg_m2 = 0.3\nmoment_kg_m = 1\nlength_m = 0.4\n"));
     made.push_back(model("kind = \"prismatic\"\nmass_kg = 95\ninclination_rad = 0.1\n"));
+    made.push_back({FileKind::kModel, R"([mechanism]
+kind = "serial_chain"
+gravity_m_s2 = [1, 0, 0]
+[[mechanism.link]]
+name = "shank"
+joint = "revolute"
+origin_m = [0.1, 0, 0]
+turn_rad = [0.1, 0, 0]
+axis = [0, 0, 1]
+mass_kg = 1
+com_m = [0.1, 0.2, 0]
+inertia_kg_m2 = [0.1, 0.1, 0.1, 0, 0, 0]
+)"});
     for (const char* parameters :
          {"kind = \"delayed_frames\"\nprobability = 0.5\ndelay_s = 0.01\n",
           "kind = \"flipped_bits\"\nbits = 2\n", "kind = \"forged_frames\"\nvalue = 1\n",

@@ -183,6 +183,9 @@ const std::multimap<std::string_view, std::pair<double, std::string>> kRelated =
     {"mechanism.base_parameters.thigh_moment_kg_m (planar_two_link)",
      {200, "mass_kg (planar_two_link)[1] = "}},
     {"mechanism.base_parameters.shank_moment_kg_m (planar_two_link)", {100, "fit no two links"}},
+    {"mechanism.link.mass_kg (serial_chain)", {0, "more than 0 with an inertia"}},
+    {"mechanism.link.inertia_kg_m2 (serial_chain)", {-1000, "none below 0"}},
+    {"mechanism.link.inertia_kg_m2 (serial_chain)", {1000, "at most the sum of the other two"}},
 };
 
 }  // namespace

@@ -5,7 +5,12 @@
 
 #include <doctest/doctest.h>
 
+#include "core/model/presets.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/model_file.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scratch_folder.hpp"
+#include "tests/unit/model/chains.hpp"
 
 using namespace patella::app;
 
@@ -100,4 +105,44 @@ TEST_CASE("a reference from a file replaces the configuration's") {
   CHECK(waves->components[1].phase_rad == patella::control::schroederPhase_rad(1, 4));
   line.reference = *line.reference / "missing.toml";
   CHECK_THROWS_AS(loadRunConfig(line), FileError);
+}
+
+TEST_CASE("a run takes a chain of two joints, and refuses more, and a force filter on it, by name") {
+  const patella::test::ScratchFolder folder;
+  const auto with = [&](const patella::model::SerialChainParameters& chain, const std::string& config) {
+    saveModel({.mechanism = chain, .effects = {}}, folder / "chain.toml");
+    CommandLine line = shipped();
+    line.config = config;
+    line.model = folder / "chain.toml";
+    line.rig_model = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/models/adult.toml";
+    return loadRunConfig(line);
+  };
+  const std::string adult = shipped().config.string();
+  const auto leg = patella::test::asChain(patella::model::adultLeg().parameters);
+  CHECK(with(leg, adult).model.joints() == 2);
+  CHECK_THROWS_WITH_AS(with(patella::test::RandomChains(2).draw(3), adult),
+                       doctest::Contains("chain.toml: a mechanism of 3 joints, expected at most 2"),
+                       FileError);
+
+  std::string text = readFile(adult);
+  const auto replace = [&](const std::string& before, const std::string& after) {
+    const std::size_t at = text.find(before);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, before.size(), after);
+  };
+  replace("observer = \"implicit_sampler\"\nk_d_1_s = 300\n",
+          "observer = \"kalman_force\"\nposition_noise_rad = 1e-4\ntorque_noise_Nm = 0.01\n"
+          "disturbance_density = [5, 5]\ndisturbance_limit = 50\n");
+  text.erase(text.find("delta_rad_s2"), text.find("velocity_cutoff_Hz") - text.find("delta_rad_s2"));
+  const std::string beside = (shipped().config.parent_path() / "").string();
+  for (const char* in : {"can/", "models/", "weights/", "references/"}) {
+    for (std::size_t at = 0; (at = text.find("\"" + std::string(in), at)) != std::string::npos;
+         at += beside.size()) {
+      text.insert(at + 1, beside);
+    }
+  }
+  writeFile(folder / "force.toml", text);
+  CHECK_THROWS_WITH_AS(
+      with(leg, folder / "force.toml"),
+      doctest::Contains("value 'kalman_force' with a serial_chain, expected one of the others"), FileError);
 }

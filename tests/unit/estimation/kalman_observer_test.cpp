@@ -9,6 +9,7 @@
 
 #include "core/model/one_dof.hpp"
 #include "tests/unit/estimation/observed_leg.hpp"
+#include "tests/unit/model/chains.hpp"
 
 using namespace patella;
 using namespace patella::estimation;
@@ -30,7 +31,7 @@ KalmanSettings legSettings(Space space, double rest_density_Nm) {
           .position_noise_rad = 1e-4,
           .velocity_noise_rad_s = 1e-3,
           .torque_noise_Nm = 1e-3,
-          .disturbance_density = {30.0, 30.0},
+          .disturbance_density = everyJoint(30.0),
           .rest_density_Nm = rest_density_Nm};
 }
 
@@ -43,7 +44,7 @@ TEST_CASE("on a flywheel the covariance settles where the Riccati equation says"
                          .position_noise_rad = 2e-4,
                          .velocity_noise_rad_s = 5e-3,
                          .torque_noise_Nm = 0.05,
-                         .disturbance_density = {2.0, 2.0}};
+                         .disturbance_density = everyJoint(2.0)};
   Eigen::Matrix3d f;
   f << 1.0, dt, 0.5 * dt * dt / kInertia, 0.0, 1.0, dt / kInertia, 0.0, 0.0, 1.0;
   const Eigen::Vector3d push(0.5 * dt * dt / kInertia, dt / kInertia, 0.0);
@@ -173,7 +174,7 @@ TEST_CASE("noise on the position does not pass through gravity into the estimate
     settings.estimate_position = estimate_position;
     settings.position_noise_rad = 0.01;
     settings.velocity_noise_rad_s = 1e-3;
-    settings.disturbance_density = {0.3, 0.3};
+    settings.disturbance_density = everyJoint(0.3);
     KalmanObserver observer(settings, 2);
     std::mt19937 random(4);
     std::normal_distribution<double> noise(0.0, 0.01);
@@ -211,5 +212,16 @@ TEST_CASE("an estimate needs a model, and a filter its settings") {
   refuses({.disturbance_limit = 0.0}, 2, "disturbance_limit = 0");
   refuses({.rest_density_Nm = -1.0}, 2, "rest_density_Nm = -1");
   refuses({.space = Space::kForceAsPrinted}, 1, "joints of a force as printed = 1");
-  refuses({}, 3, "joints = 3");
+  refuses({}, 9, "joints = 9");
+}
+
+TEST_CASE("a force in the leg's plane is not sought on a mechanism in space: the estimate is NaN") {
+  const model::PlanarTwoLinkParameters leg = model::physicalLeg().parameters;
+  const model::DynamicsModel chain(std::make_unique<model::SerialChain>(test::asChain(leg)), {});
+  for (const auto space : {Space::kForce, Space::kJointTorque}) {
+    KalmanObserver observer({.space = space}, 2);
+    const ObserverInput input = test::ObservedLeg(chain, JointVector::Zero(2)).sample(JointVector::Zero(2));
+    observer.reset(input);
+    CHECK(observer.update(input).array().isNaN().any() == (space == Space::kForce));
+  }
 }

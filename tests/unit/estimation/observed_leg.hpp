@@ -78,7 +78,7 @@ struct NamedObserver {
 inline std::vector<NamedObserver> allObservers(int joints) {
   using namespace estimation;
   std::vector<NamedObserver> all;
-  const PerJoint cutoff_Hz{10.0, 10.0};
+  const PerJoint cutoff_Hz = everyJoint(10.0);
   all.push_back({"implicit sampler", std::make_unique<LowPassObserver>(
                                          std::make_unique<ImplicitSampler>(SamplerParameters{.delta = 30.0}),
                                          cutoff_Hz, 1.0 / kTick_s)});
@@ -93,7 +93,7 @@ inline std::vector<NamedObserver> allObservers(int joints) {
   }
   all.push_back({"extended state", std::make_unique<ExtendedStateObserver>(cutoff_Hz)});
   all.push_back({"super-twisting", std::make_unique<SuperTwistingObserver>(SuperTwistingParameters{
-                                       .rate_bound = {2000.0, 2000.0}, .root_gain = {150.0, 150.0}})});
+                                       .rate_bound = everyJoint(2000.0), .root_gain = everyJoint(150.0)})});
   for (const auto space : {KalmanSettings::Space::kJointTorque, KalmanSettings::Space::kForce}) {
     for (const auto disturbance :
          {KalmanSettings::Disturbance::kRandomWalk, KalmanSettings::Disturbance::kConstantRate}) {
@@ -104,7 +104,7 @@ inline std::vector<NamedObserver> allObservers(int joints) {
                                     .position_noise_rad = 1e-5,
                                     .velocity_noise_rad_s = 1e-3,
                                     .torque_noise_Nm = 1e-3,
-                                    .disturbance_density = {density, density}};
+                                    .disturbance_density = everyJoint(density)};
       all.push_back({std::string("Kalman ") + (space == KalmanSettings::Space::kForce ? "force" : "torque") +
                          (walk ? ", random walk" : ", constant rate"),
                      std::make_unique<KalmanObserver>(settings, joints)});

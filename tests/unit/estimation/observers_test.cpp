@@ -80,7 +80,7 @@ TEST_CASE("a step of torque arrives within its filter's time and without much ov
 
 TEST_CASE("a momentum observer of first order rises by 1 − 1/e in its time constant") {
   const model::DynamicsModel model = makeModel(model::physicalLeg());
-  MomentumObserver observer({.order = MomentumParameters::Order::kFirst, .bandwidth_Hz = {2.0, 2.0}});
+  MomentumObserver observer({.order = MomentumParameters::Order::kFirst, .bandwidth_Hz = everyJoint(2.0)});
   test::ObservedLeg leg(model, kBent);
   observer.reset(leg.sample(JointVector::Zero(2)));
   const double constant_s = 1.0 / (2.0 * std::numbers::pi * 2.0);
@@ -194,8 +194,8 @@ TEST_CASE("settings outside their range are refused by name and value") {
                        std::invalid_argument);
   CHECK_THROWS_WITH_AS(TerminalSlidingObserver({.boundary = 0.0}), doctest::Contains("boundary_rad_s = 0"),
                        std::invalid_argument);
-  CHECK_THROWS_AS(LowPassObserver(nullptr, {5.0, 5.0}, 1000.0), std::invalid_argument);
+  CHECK_THROWS_AS(LowPassObserver(nullptr, everyJoint(5.0), 1000.0), std::invalid_argument);
   CHECK_THROWS_WITH_AS(
-      LowPassObserver(std::make_unique<ExtendedStateObserver>(PerJoint{2.0, 2.0}), {5.0, 600.0}, 1000.0),
+      LowPassObserver(std::make_unique<ExtendedStateObserver>(everyJoint(2.0)), {5.0, 600.0}, 1000.0),
       doctest::Contains("cutoff_Hz = 600"), std::invalid_argument);
 }

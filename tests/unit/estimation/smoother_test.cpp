@@ -23,7 +23,7 @@ const KalmanSettings kSettings{.disturbance = Disturbance::kRandomWalk,
                                .position_noise_rad = 2e-3,
                                .velocity_noise_rad_s = 0.02,
                                .torque_noise_Nm = 0.05,
-                               .disturbance_density = {5.0, 5.0},
+                               .disturbance_density = everyJoint(5.0),
                                .disturbance_limit = 3.0};
 
 model::DynamicsModel flywheel() {
@@ -145,7 +145,7 @@ TEST_CASE("on the leg hindsight helps, all of it the most") {
   const Recorded recorded = record(model, Eigen::Vector2d(-1.2, -0.8), 4000);
   KalmanSettings settings = kSettings;
   settings.disturbance = Disturbance::kConstantRate;
-  settings.disturbance_density = {20.0, 20.0};
+  settings.disturbance_density = everyJoint(20.0);
   KalmanObserver filter(settings, 2);
   FixedLagSmoother lagged(settings, 2, kLag);
   filter.reset(recorded.samples[0]);

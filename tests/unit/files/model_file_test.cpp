@@ -12,6 +12,7 @@
 #include "tests/support/joint_pair.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tests/unit/model/chains.hpp"
 
 using namespace patella;
 using namespace patella::app;
@@ -159,7 +160,8 @@ TEST_CASE("every mechanism and every effect survives writing and reading") {
   const MechanismDescription mechanisms[] = {
       model::adultLeg().parameters,
       model::RevoluteJointParameters{.inertia_kg_m2 = 0.1, .moment_kg_m = 1.0 / 3.0, .length_m = 0.4},
-      model::PrismaticJointParameters{.mass_kg = 95.1089, .inclination_rad = 0.1, .gravity_m_s2 = 0.0}};
+      model::PrismaticJointParameters{.mass_kg = 95.1089, .inclination_rad = 0.1, .gravity_m_s2 = 0.0},
+      test::RandomChains(8).draw(5)};
   for (const MechanismDescription& mechanism : mechanisms) {
     ModelDescription description{.mechanism = mechanism, .effects = {}};
     for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {
@@ -191,7 +193,7 @@ TEST_CASE("malformed models are refused with file, line, key, value and expectat
   CHECK(
       errorOf("[mechanism]\nkind = \"planar_2r\"") ==
       "model.toml:2: key 'mechanism.kind': value 'planar_2r', expected one of 'planar_two_link', 'revolute', "
-      "'prismatic'");
+      "'prismatic', 'serial_chain'");
   CHECK(errorOf("[mechanism]\nkind = \"revolute\"\ninertia_kg_m2 = -0.1") ==
         "model.toml:3: key 'mechanism.inertia_kg_m2': value -0.1, expected a number in [1e-05, 20]");
   CHECK(errorOf("[mechanism]\nkind = \"prismatic\"\nmass = 95") ==

@@ -62,7 +62,7 @@ TEST_CASE("quantities out of range are refused by name") {
   CHECK(refusal([](NetworkWeights& w) { w.window = 5000; }) == "window = 5000, expected 1 to 4096");
   CHECK(refusal([](NetworkWeights& w) { w.heads = 7; }) == "heads: 7, expected a divisor of the 64 channels");
   CHECK(refusal([](NetworkWeights& w) { w.heads = -8; }) == "heads = -8, expected 1 to 4096");
-  CHECK(refusal([](NetworkWeights& w) { w.output_weight.setZero(3, 64); }) == "outputs: 3, expected 1 to 2");
+  CHECK(refusal([](NetworkWeights& w) { w.output_weight.setZero(9, 64); }) == "outputs: 9, expected 1 to 8");
   CHECK(refusal([](NetworkWeights& w) { w.rate_Hz = 0.0; }) == "rate_Hz = 0, expected 1 to 20000");
   CHECK(refusal([](NetworkWeights& w) { w.feature_mean.setZero(4); }) ==
         "feature_mean: 4 values, expected 5");

@@ -91,7 +91,7 @@ TEST_CASE("a map says what is wrong with it, and where") {
   CHECK(refusalOf(kMap, "[[activation]]", "[[emg]]\ncolumn = \"raw\"\n[[activation]]")
             .find("expected one of the two") != std::string::npos);
   CHECK(test::messageOf<app::FileError>([] { parseColumnMap("[recording]\nstatic = true\n", "map.toml"); }) ==
-        "map.toml:1: key 'joint': 0 tables [[joint]], expected one for each joint, 1 to 2");
+        "map.toml:1: key 'joint': 0 tables [[joint]], expected one for each joint, 1 to 8");
 }
 
 TEST_CASE("a map for another mechanism is refused") {

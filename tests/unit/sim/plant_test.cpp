@@ -9,11 +9,13 @@
 #include <Eigen/LU>
 #include <doctest/doctest.h>
 
+#include "core/model/model_description.hpp"
 #include "core/model/one_dof.hpp"
 #include "core/model/planar_two_link.hpp"
 #include "core/model/presets.hpp"
 #include "sim/emg_generator.hpp"
 #include "tests/support/joint_pair.hpp"
+#include "tests/unit/model/chains.hpp"
 
 using namespace patella;
 using namespace patella::sim;
@@ -159,4 +161,22 @@ TEST_CASE("a single joint is a plant too, but has no interaction as printed") {
   CHECK_THROWS_AS(Plant(knee(), knee(), {}, 1, hanging()), std::invalid_argument);
   CHECK_THROWS_AS(Plant(knee(), undamped(), {}, 1, rest), std::invalid_argument);
   CHECK_THROWS_AS(Plant(knee(), knee(), {}, 1, rest, 0.0), std::invalid_argument);
+}
+
+TEST_CASE("a chain is a plant too, but no force in the leg's plane acts on it") {
+  const model::ModelDescription leg{.mechanism = test::asChain(model::adultLeg().parameters), .effects = {}};
+  const model::ModelDescription planar{.mechanism = model::adultLeg().parameters, .effects = {}};
+  const PlantState start{pair(-1.2, 0.5), pair(0.3, -0.2)};
+  Plant chain(model::makeModel(leg), model::makeModel(leg), {}, 1, start);
+  Plant same(model::makeModel(planar), model::makeModel(planar), {}, 1, start);
+  for (int k = 0; k < 300; ++k) {
+    chain.advance(pair(5.0, -2.0), {}, 1e-3);
+    same.advance(pair(5.0, -2.0), {}, 1e-3);
+  }
+  CHECK((chain.state().q - same.state().q).norm() < 1e-9);
+  CHECK((same.state().q - start.q).norm() > 0.05);
+  CHECK_THROWS_WITH_AS(
+      Plant(model::makeModel(leg), model::makeModel(leg),
+            {.kind = InteractionKind::kExperiment1, .form = InteractionForm::kCorrected}, 1, start),
+      doctest::Contains("the interaction force has 2 components"), std::invalid_argument);
 }

@@ -50,3 +50,14 @@ TEST_CASE(
   front.features(features);
   CHECK(features[kRise] == 0.0);
 }
+
+TEST_CASE("a network may ask for features of the joints that there are, and of no others") {
+  CHECK(selectFeatures({"q1_rad", "activation4", "d_rise_60ms2_Nm", "time_s"}, 2) ==
+        FeatureSelection{kPosition, kActivation + 3, kRise + kMaxJoints + 1, kTime});
+  CHECK(selectFeatures({"ddq_hat8_rad_s2"}, kMaxJoints) == FeatureSelection{kAcceleration + 7});
+  CHECK_THROWS_WITH_AS(selectFeatures({"q3_rad"}, 2),
+                       doctest::Contains("feature 'q3_rad' of the network is unknown"),
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(selectFeatures({"tau2_Nm"}, 1), doctest::Contains("tau1_Nm tau_emg1_Nm activation1"),
+                       std::invalid_argument);
+}

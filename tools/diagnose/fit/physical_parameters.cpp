@@ -1,5 +1,6 @@
 #include "tools/diagnose/fit/physical_parameters.hpp"
 
+#include <stdexcept>
 #include <variant>
 
 #include <fmt/format.h>
@@ -7,6 +8,10 @@
 namespace patella::diagnose {
 
 std::vector<PhysicalParameter> physicalParameters(model::MechanismDescription& mechanism) {
+  if (std::holds_alternative<model::SerialChainParameters>(mechanism)) {
+    throw std::invalid_argument(
+        "diagnosis: a model of kind 'serial_chain', expected 'planar_two_link', 'revolute' or 'prismatic'");
+  }
   std::vector<PhysicalParameter> all;
   if (auto* leg = std::get_if<model::PlanarTwoLinkParameters>(&mechanism)) {
     for (std::size_t link = 0; link < 2; ++link) {

@@ -7,17 +7,18 @@
 
 namespace patella::study {
 
+inline constexpr int kLegParameters = 5;  ///< base parameters of the leg's two links
 /// Numbers of a model that may be wrong: the rigid body's in the directions given, and at either joint
 /// viscous friction (N·m·s/rad) and Coulomb's (N·m).
-inline constexpr int kMaxAdapted = model::kMaxBaseParameters + 4;
+inline constexpr int kMaxAdapted = kLegParameters + 4;
 /// q, dq, push and its rate, and those numbers.
 inline constexpr int kMaxAdaptiveStates = 8 + kMaxAdapted;
 using AdaptiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxAdaptiveStates, 1>;
 using AdaptiveMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
                                      kMaxAdaptiveStates, kMaxAdaptiveStates>;
 /// Change of the base parameters for one of each number: base parameters x numbers.
-using BodyDirections = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                     model::kMaxBaseParameters, model::kMaxBaseParameters>;
+using BodyDirections =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLegParameters, kLegParameters>;
 
 struct AdaptiveSettings {
   double position_noise_rad = 1e-4;

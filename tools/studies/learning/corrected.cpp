@@ -118,7 +118,7 @@ Delivered deliverNetwork(const ObservedRun& run, const Inputs& inputs,
                          const network::NetworkWeights& weights) {
   network::AttentionLstm network(weights);
   const train::PreparationOptions& options = inputs.preparation;
-  const tick::FeatureSelection selection = tick::selectFeatures(options.features);
+  const tick::FeatureSelection selection = tick::selectFeatures(options.features, 2);
   const bool correction = train::isCorrection(options.output);
   std::vector<double> input;
   JointVector value = JointVector::Zero(2);

@@ -29,7 +29,9 @@ std::vector<Tunable> perJoint(const std::string& name, double start) {
 }
 
 PerJoint pair(Values v, std::size_t first) {
-  return {v[first], v[first + 1]};
+  PerJoint values = everyJoint(v[first + 1]);
+  values[0] = v[first];
+  return values;
 }
 
 /// Which Kalman filter: the space, and whether it estimates position.

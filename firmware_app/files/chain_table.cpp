@@ -1,0 +1,120 @@
+#include "firmware_app/files/chain_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "core/bounds/bounds.hpp"
+#include "firmware_app/files/bounded.hpp"
+#include "firmware_app/files/urdf_file.hpp"
+#include "firmware_app/files/wording.hpp"
+
+namespace patella::app {
+namespace {
+
+using model::ChainJoint;
+using model::ChainLink;
+using model::SerialChainParameters;
+
+const std::vector<std::string> kJointKinds{"fixed", "revolute", "prismatic"};
+
+Eigen::Vector3d readVector(const TomlTable& table, const Bound& bound, const Eigen::Vector3d& fallback) {
+  const std::vector<double> values = numbers(table, bound, CountRange::exactly(3), {fallback.data(), 3});
+  return {values[0], values[1], values[2]};
+}
+
+ChainLink readLink(const TomlTable& table) {
+  ChainLink link;
+  link.name = table.string("name");
+  const std::string joint = table.choice("joint", kJointKinds);
+  link.joint =
+      static_cast<ChainJoint>(std::find(kJointKinds.begin(), kJointKinds.end(), joint) - kJointKinds.begin());
+  link.origin_m = readVector(table, boundOf("mechanism.link.origin_m (serial_chain)"), link.origin_m);
+  link.turn_rad = readVector(table, boundOf("mechanism.link.turn_rad (serial_chain)"), link.turn_rad);
+  if (link.joint != ChainJoint::kFixed) {
+    link.axis = readVector(table, boundOf("mechanism.link.axis (serial_chain)"), link.axis);
+  }
+  link.mass_kg = number(table, boundOf("mechanism.link.mass_kg (serial_chain)"), link.mass_kg);
+  link.com_m = readVector(table, boundOf("mechanism.link.com_m (serial_chain)"), link.com_m);
+  const auto inertia = numbers(table, boundOf("mechanism.link.inertia_kg_m2 (serial_chain)"),
+                               CountRange::exactly(link.inertia_kg_m2.size()), link.inertia_kg_m2);
+  std::copy(inertia.begin(), inertia.end(), link.inertia_kg_m2.begin());
+  return link;
+}
+
+std::string listed(std::span<const double> values) {
+  std::string text;
+  for (const double value : values) {
+    text += (text.empty() ? "" : ", ") + formatNumber(value + 0.0);  // TOML's -0 is a whole number, and so 0
+  }
+  return "[" + text + "]";
+}
+
+std::string line(const char* key, std::span<const double> values, const char* comment) {
+  return std::string(key) + " = " + listed(values) + "  # " + comment + "\n";
+}
+
+std::string line(const char* key, const Eigen::Vector3d& values, const char* comment) {
+  return line(key, std::span<const double>(values.data(), 3), comment);
+}
+
+/// A basic string of TOML.
+std::string quoted(const std::string& text) {
+  constexpr unsigned char kFirstPrinted = 0x20;
+  constexpr unsigned char kDelete = 0x7F;
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      result += std::string("\\") + c;
+    } else if (code < kFirstPrinted || code == kDelete) {
+      constexpr const char* kDigits = "0123456789ABCDEF";
+      result += std::string("\\u00") + kDigits[code / 16] + kDigits[code % 16];
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+}  // namespace
+
+SerialChainParameters readChain(const TomlTable& mechanism) {
+  SerialChainParameters chain;
+  chain.gravity_m_s2 =
+      readVector(mechanism, boundOf("mechanism.gravity_m_s2 (serial_chain)"), chain.gravity_m_s2);
+  if (mechanism.has("urdf")) {
+    if (mechanism.has("link")) {
+      throw mechanism.error("link", "stands beside 'urdf', which has the links; expected one of the two");
+    }
+    chain.links = loadUrdfChain(mechanism.path("urdf"), mechanism.string("base"), mechanism.string("tip"));
+    return chain;
+  }
+  for (const TomlTable& table : mechanism.tables("link")) {
+    chain.links.push_back(readLink(table));
+  }
+  if (chain.links.empty()) {
+    throw mechanism.error("link", "missing, expected a table [[mechanism.link]] for each link, or 'urdf'");
+  }
+  return chain;
+}
+
+std::string chainText(const SerialChainParameters& chain) {
+  std::string text = line("gravity_m_s2", chain.gravity_m_s2, "m/s², in the axes of the base");
+  for (const ChainLink& link : chain.links) {
+    text += "\n[[mechanism.link]]\nname = " + quoted(link.name) + "\njoint = \"" +
+            kJointKinds[static_cast<std::size_t>(link.joint)] + "\"\n" +
+            line("origin_m", link.origin_m, "m; of the joint, in the frame of the link before") +
+            line("turn_rad", link.turn_rad, "rad; roll, pitch, yaw");
+    if (link.joint != ChainJoint::kFixed) {
+      text += line("axis", link.axis, "in the joint's frame");
+    }
+    text +=
+        "mass_kg = " + formatNumber(link.mass_kg) + "  # kg\n" +
+        line("com_m", link.com_m, "m; centre of mass in the link's frame") +
+        line("inertia_kg_m2", link.inertia_kg_m2, "kg·m², about the centre of mass: xx, yy, zz, xy, xz, yz");
+  }
+  return text;
+}
+
+}  // namespace patella::app

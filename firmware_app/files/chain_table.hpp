@@ -1,0 +1,18 @@
+// The table [mechanism] of a serial chain: its links one by one, or the name of a URDF that has them.
+#pragma once
+
+#include <string>
+
+#include "core/model/chain/chain_parameters.hpp"
+#include "firmware_app/files/toml_table.hpp"
+
+namespace patella::app {
+
+/// Either `urdf`, `base` and `tip`, see urdf_file.hpp, or a table [[mechanism.link]] for each link. Throws
+/// FileError naming file, line, key, value and what was expected, or what is wrong with the URDF.
+model::SerialChainParameters readChain(const TomlTable& mechanism);
+
+/// What follows `kind`, link by link; readChain() gives back the same numbers to the bit.
+std::string chainText(const model::SerialChainParameters& chain);
+
+}  // namespace patella::app

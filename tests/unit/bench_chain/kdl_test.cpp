@@ -1,0 +1,58 @@
+// The chain's terms beside those of Orocos KDL, on the chains of public URDF files.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "core/model/serial_chain.hpp"
+#include "firmware_app/files/urdf_file.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/unit/model/random_states.hpp"
+#include "tools/bench/chain/kdl_peer.hpp"
+#include "tools/bench/chain/robots.hpp"
+
+using namespace patella;
+
+namespace {
+
+/// Relative; where the expected number is a small difference of large ones, to a thousandth of these.
+template <typename Found, typename Expected>
+double difference(const Found& found, const Expected& expected, double terms = 0.0) {
+  return (found - expected).norm() / std::max(expected.norm(), 1e-3 * terms);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "inertia, velocity torque, gravity and Jacobian are those of KDL, on every chain of the URDF files") {
+  constexpr double kEqual = 1e-10;
+  constexpr int kStates = 1000;
+  // The base upright, hanging on a wall, and anyhow.
+  const Eigen::Vector3d bases[] = {{0.0, 0.0, -9.81}, {9.81, 0.0, 0.0}, {3.0, -7.0, 5.0}};
+  for (const bench::Robot& robot : bench::robots()) {
+    CAPTURE(robot.name);
+    const std::string text = bench::urdfText(std::filesystem::path(PATELLA_DATA_DIR) / "urdf", robot);
+    for (const Eigen::Vector3d& gravity : bases) {
+      const model::SerialChain chain(
+          {.links = app::parseUrdfChain(text, robot.file, robot.base, robot.tip), .gravity_m_s2 = gravity});
+      bench::KdlPeer kdl(text, robot.base, robot.tip, gravity);
+      REQUIRE(chain.joints() == kdl.joints());
+      double inertia = 0.0, velocity = 0.0, weight = 0.0, jacobian = 0.0;
+      for (const auto& [q, dq, ddq] : test::randomStates(chain.joints(), kStates)) {
+        const model::ChainTerms terms = chain.terms(q, dq);
+        kdl.setState(q, dq);
+        kdl.evaluate();
+        inertia = std::max(inertia, difference(terms.inertia, kdl.inertia()));
+        velocity = std::max(velocity, difference(terms.velocity_Nm, kdl.velocity_Nm(),
+                                                 terms.inertia.norm() * dq.squaredNorm()));
+        weight = std::max(weight, difference(terms.gravity_Nm, kdl.gravity_Nm(), gravity.norm()));
+        jacobian = std::max(jacobian, difference(chain.jacobian(q), kdl.jacobian()));
+      }
+      CHECK(inertia < kEqual);
+      CHECK(velocity < kEqual);
+      CHECK(weight < kEqual);
+      CHECK(jacobian < kEqual);
+    }
+  }
+}
