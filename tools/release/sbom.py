@@ -165,9 +165,10 @@ def add_headers(document, root, headers):
 
 
 def add_tools(document, root, build):
-    cache = pathlib.Path(build, "CMakeCache.txt").read_text()
-    tools = [re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.M).group(1)]
-    for tool in tools + list(TOOLS):
+    # Not in CMake's cache where a file of the target names it.
+    [found] = pathlib.Path(build, "CMakeFiles").glob("*/CMakeCXXCompiler.cmake")
+    compiler = re.search(r'^set\(CMAKE_CXX_COMPILER "(.*)"\)$', found.read_text(), re.M).group(1)
+    for tool in [compiler, *TOOLS]:
         path = run("which", tool).strip()
         debian = description(owners([path])[path])
         identifier = element("Tool", debian["name"])
