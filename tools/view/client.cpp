@@ -5,9 +5,8 @@
 #include <chrono>
 
 #include <netinet/tcp.h>
-#include <sys/socket.h>
-
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
 
 namespace patella::view {
 namespace {
@@ -182,11 +181,12 @@ void Client::write() {
                       });
 }
 
-// Messages that leave one after another share their segments (tcp(7)): a reader that was woken for each of some thousand
-// a second would cost more than the messages.
+// Messages that leave one after another share their segments (tcp(7)): a reader that was woken for each of
+// some thousand a second would cost more than the messages.
 void Client::cork(bool on) noexcept {
   const int value = on ? 1 : 0;  // a connection that has ended fails where it writes, and not here
-  ::setsockopt(beast::get_lowest_layer(socket_).socket().native_handle(), IPPROTO_TCP, TCP_CORK, &value, sizeof value);
+  ::setsockopt(beast::get_lowest_layer(socket_).socket().native_handle(), IPPROTO_TCP, TCP_CORK, &value,
+               sizeof value);
 }
 
 void Client::fail() noexcept {

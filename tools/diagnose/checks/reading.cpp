@@ -165,8 +165,8 @@ std::vector<Reader::Sums> Reader::sumsOf(const Columns& columns, const Column& t
     Sums of_joint{.gram = share * (all.transpose() * all),
                   .right = share * (all.transpose() * target),
                   .power = share * target.squaredNorm()};
-    of_joint.load = std::max(
-        1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
+    of_joint.load =
+        std::max(1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
     sums.push_back(std::move(of_joint));
   }
   return sums;

@@ -1,13 +1,13 @@
 // A measured two-link arm: what a network learns of the torque that a model leaves unexplained.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/model/model_description.hpp"
+#include "core/types.hpp"
 #include "tools/recordings/recording.hpp"
 #include "tools/train/trainer.hpp"
 
@@ -22,8 +22,8 @@ struct PendulumStudyOptions {
 /// Error of the predicted torque, N·m rms, in the analysis band of the diagnosis.
 struct PendulumResult {
   std::string model;
-  std::array<double, 2> alone{};
-  std::vector<std::array<double, 2>> with_network;  ///< one a seed
+  PerJoint alone{};
+  std::vector<PerJoint> with_network;  ///< one a seed
 };
 
 /// Trains on the residual of inverse dynamics: features are posture, velocity and acceleration of both
