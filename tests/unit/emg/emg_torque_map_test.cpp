@@ -33,5 +33,5 @@ TEST_CASE("gains out of range are refused by name") {
   CHECK_NOTHROW(EmgTorqueMap(1, gains));
   gains[1][2] = std::nan("");
   CHECK_THROWS_AS(EmgTorqueMap(2, gains), std::invalid_argument);
-  CHECK_THROWS_AS(EmgTorqueMap(3, EmgGains{}), std::invalid_argument);
+  CHECK_THROWS_AS(EmgTorqueMap(patella::kMaxJoints + 1, EmgGains{}), std::invalid_argument);
 }
