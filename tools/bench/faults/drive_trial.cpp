@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -194,13 +193,6 @@ class DriveJudge final : public can::Bus {
   std::array<bool, kJoints> told_{};  ///< in this tick
 };
 
-control::JointMotion randomMotion(double middle_rad, Dice& dice) {
-  return control::SinusoidMotion{.offset_rad = middle_rad + dice.between(-0.1, 0.1),
-                                 .amplitude_rad = dice.between(0.05, 0.4),
-                                 .frequency_Hz = dice.between(0.2, 0.7),
-                                 .phase_rad = dice.between(-std::numbers::pi, std::numbers::pi)};
-}
-
 FaultEvent randomDriveFault(const app::RunConfig& base, Dice& dice) {
   const int canopen_kinds = isCanopen(base) ? 1 : 0;
   const int drawn = dice.below(static_cast<int>(kKinds.size()) + canopen_kinds);
@@ -287,20 +279,8 @@ std::optional<double> owedByDrives_s(const app::RunConfig& scenario) {
 app::RunConfig randomDriveScenario(const app::RunConfig& base, std::uint64_t seed) {
   Dice dice(seed);
   app::RunConfig config = base;
-  config.clock = app::ClockKind::kVirtual;
-  config.duration_s = kTrialDuration_s;
-  config.loop.max_ticks = static_cast<std::uint64_t>(kTrialDuration_s * config.loop.rate_Hz);
-  config.rig.seed = seed;
-  config.rig.interaction.human_rms_N = dice.between(0.0, 10.0);
-  config.rig.interaction.human_bandwidth_Hz = dice.between(0.5, 2.0);
-  config.rig.operator_buttons.enable_at_s = kEnableAt_s;
-  config.rig.operator_buttons.reset_at_s.clear();
-  if (dice.chance(0.3)) {
-    config.rig.operator_buttons.reset_at_s = {dice.between(kFirstFault_s, kTrialDuration_s)};
-  }
-  config.tick.reference.blend_s = dice.between(0.5, 1.5);
-  config.tick.reference.motion[0] = randomMotion(-1.15, dice);
-  config.tick.reference.motion[1] = randomMotion(-0.8, dice);
+  drawPatient(config, seed, dice);
+  drawOperation(config, dice);
   for (safety::JointLimits& limits : config.tick.limits.joint) {
     limits.q_min_rad -= kSwing_rad;
     limits.q_max_rad += kSwing_rad;

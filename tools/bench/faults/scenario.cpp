@@ -162,16 +162,16 @@ FaultEvent randomFault(FaultKind kind, Dice& dice) {
   return event;
 }
 
-app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
-  Dice dice(seed);
-  app::RunConfig config = base;
+void drawPatient(app::RunConfig& config, std::uint64_t seed, Dice& dice) {
   config.clock = app::ClockKind::kVirtual;
   config.duration_s = kTrialDuration_s;
   config.loop.max_ticks = static_cast<std::uint64_t>(kTrialDuration_s * config.loop.rate_Hz);
   config.rig.seed = seed;
   config.rig.interaction.human_rms_N = dice.between(0.0, 10.0);
   config.rig.interaction.human_bandwidth_Hz = dice.between(0.5, 2.0);
-  config.rig.drive.bandwidth_Hz = dice.chance(0.5) ? 0.0 : dice.between(60.0, 200.0);
+}
+
+void drawOperation(app::RunConfig& config, Dice& dice) {
   config.rig.operator_buttons.enable_at_s = kEnableAt_s;
   config.rig.operator_buttons.reset_at_s.clear();
   if (dice.chance(0.3)) {
@@ -180,6 +180,14 @@ app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
   config.tick.reference.blend_s = dice.between(0.5, 1.5);
   config.tick.reference.motion[0] = randomMotion(-1.15, dice);
   config.tick.reference.motion[1] = randomMotion(-0.8, dice);
+}
+
+app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
+  Dice dice(seed);
+  app::RunConfig config = base;
+  drawPatient(config, seed, dice);
+  config.rig.drive.bandwidth_Hz = dice.chance(0.5) ? 0.0 : dice.between(60.0, 200.0);
+  drawOperation(config, dice);
   const int faults = dice.chance(0.5) ? 1 : 2;
   while (static_cast<int>(config.faults.size()) < faults) {
     const FaultEvent fault = randomFault(static_cast<FaultKind>(dice.below(sim::kScriptedKindCount)), dice);

@@ -19,6 +19,11 @@ inline constexpr double kFirstFault_s = 1.0;
 /// from (base, seed).
 app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed);
 
+/// Sets how long a run is, and draws the patient's push.
+void drawPatient(app::RunConfig& config, std::uint64_t seed, Dice& dice);
+/// Draws the operator's buttons and the motion.
+void drawOperation(app::RunConfig& config, Dice& dice);
+
 /// A random fault of the kind at a random instant; about every fourth is mild: it need not be noticed.
 sim::FaultEvent randomFault(sim::FaultKind kind, Dice& dice);
 
