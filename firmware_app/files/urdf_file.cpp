@@ -4,6 +4,7 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <console_bridge/console.h>
@@ -39,6 +40,18 @@ class Complaints final : public console_bridge::OutputHandler {
   std::string errors_;
 };
 
+/// `model`, whose links let go of each other at its end: links own their children in urdfdom, so that a circle
+/// of them would never be freed.
+urdf::ModelInterfaceSharedPtr opening(urdf::ModelInterfaceSharedPtr model) {
+  urdf::ModelInterface* const links_of = model.get();
+  return {links_of, [model = std::move(model)](urdf::ModelInterface* /*same*/) {
+            for (const auto& [name, link] : model->links_) {
+              link->child_links.clear();
+              link->child_joints.clear();
+            }
+          }};
+}
+
 urdf::ModelInterfaceSharedPtr parse(std::string_view text, const std::string& name) {
   static std::mutex one_at_a_time;  // the handler is urdfdom's, not this thread's
   const std::scoped_lock lock(one_at_a_time);
@@ -55,7 +68,7 @@ urdf::ModelInterfaceSharedPtr parse(std::string_view text, const std::string& na
     throw FileError(name + ": is no URDF (" + (problem.empty() ? "no XML" : problem) +
                     "), expected <robot> with links and joints that fit together");
   }
-  return model;
+  return opening(std::move(model));
 }
 
 std::string linkNames(const urdf::ModelInterface& robot) {
