@@ -23,7 +23,7 @@ TEST_CASE("every key is there, in the promised order") {
     keys.push_back(key);
   }
   CHECK(keys == std::vector<std::string>{"verdict", "explanation", "doubts", "effects", "error", "rest",
-                                         "simulation_error", "excitation", "revealed", "unexplained",
+                                         "simulation_error", "excitation", "plan_command", "revealed", "unexplained",
                                          "nominal_parameters", "correlations", "runaways", "drive_timing",
                                          "steps", "warnings", "seed", "inputs", "versions"});
 }

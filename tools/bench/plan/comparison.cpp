@@ -15,10 +15,12 @@ namespace {
 
 using namespace diagnose;
 
-/// What is commonly missing of any machine, and what motion has to tell from it.
-const std::vector<std::string> kLookedAt{"coulomb_friction",  "viscous_friction", "linear_stiffness",
-                                         "torque_bias",       "payload",          "rotor_inertia",
-                                         "stribeck_friction", "encoder_offset"};
+/// What is missing of machines, but for payload and rotor inertia, which are what other nominal parameters
+/// would be, an encoder's zero what other centres of mass would be, and no motion tells more of them than the
+/// tolerance of the model does.
+const std::vector<std::string> kLookedAt{"coulomb_friction",        "viscous_friction", "asymmetric_friction",
+                                         "stribeck_friction",       "linear_stiffness", "torque_bias",
+                                         "load_dependent_friction", "actuator_lag"};
 
 double sizeOf(const Revealed& revealed) {
   return std::isfinite(revealed.smallest_size) ? revealed.smallest_size
@@ -78,6 +80,7 @@ Comparison compare(const Machine& machine, const CompareOptions& options) {
     request.noise.push_back(
         {.noise_Nm = kUsualNoise * machine.limits.joint[static_cast<std::size_t>(j)].torque_Nm});
   }
+  request.nominal_tolerance = options.nominal_tolerance;
   request.timing.duration_s = options.duration_s;
   request.design.evaluations = options.evaluations;
   request.design.seed = options.seed;
@@ -85,33 +88,21 @@ Comparison compare(const Machine& machine, const CompareOptions& options) {
   std::stable_sort(sine.begin(), sine.end(), [](const Revealed& a, const Revealed& b) {
     return a.share_of_torque > b.share_of_torque;
   });
-  sine.resize(std::min(sine.size(), kNamed));
-  request.effects.clear();
-  for (const Revealed& revealed : sine) {
-    request.effects.push_back(fmt::format("{}@{}", revealed.kind, revealed.joint + 1));
-  }
+  const Revealed& least = sine.front();
+  request.effects = {fmt::format("{}@{}", least.kind, least.joint + 1)};
   const auto start = std::chrono::steady_clock::now();
   const MotionPlan plan = makePlan(request);
-  Comparison comparison{.machine = machine.name, .named = {}, .taken = {}};
+  Comparison comparison;
+  comparison.machine = machine.name;
   comparison.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Revealed& planned = plan.revealed.front();
+  comparison.effect = request.effects.front();
+  comparison.sine = sizeOf(least);
+  comparison.planned = sizeOf(planned);
   std::vector<model::EffectDescription> hidden;
-  double logarithms = 0.0;
-  for (const Revealed& before : sine) {
-    for (const Revealed& after : plan.revealed) {
-      if (after.kind != before.kind || after.joint != before.joint) {
-        continue;
-      }
-      comparison.named.push_back({.label = fmt::format("{}@{}", before.kind, before.joint + 1),
-                                  .sine = sizeOf(before),
-                                  .planned = sizeOf(after),
-                                  .sine_never = !std::isfinite(before.smallest_size)});
-      logarithms += std::log(comparison.named.back().factor());
-      if (!after.parameters.empty()) {
-        hidden.push_back({.kind = after.kind, .joint = after.joint, .parameters = after.parameters});
-      }
-    }
+  if (!planned.parameters.empty()) {
+    hidden.push_back({.kind = planned.kind, .joint = planned.joint, .parameters = planned.parameters});
   }
-  comparison.factor = std::exp(logarithms / static_cast<double>(comparison.named.size()));
   comparison.taken = follow(machine, hidden, plan.motion.reference, options.duration_s);
   return comparison;
 }

@@ -32,57 +32,49 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
+// Ratios of the sine's sizes to the plan's, summed up.
+std::string factorCells(const std::vector<double>& values) {
+  constexpr double kThree = 3.0;
+  return fmt::format("{} | {:.3g} | {:.3g} | {}", values.size(), median(values),
+                     *std::min_element(values.begin(), values.end()),
+                     std::count_if(values.begin(), values.end(), [](double v) { return v >= kThree; }));
+}
+
 void print(const std::vector<Comparison>& all) {
-  std::cout << fmt::format("| {:<4} | {:<10} | {:<58} | {:>6} | range, speed, torque in % | {:>5} |\n", "no",
-                           "machine", "named: sine, planned", "factor", "s");
-  std::cout << "|---|---|---|---|---|---|\n";
-  std::map<std::string, std::vector<double>> by_machine;
-  std::vector<double> factors, single;
-  int broken = 0, beyond_sine = 0;
+  std::cout << "| no | machine | effect | sine | planned | factor | range, speed, torque in % | s |\n"
+               "|---|---|---|---|---|---|---|---|\n";
+  std::map<std::string, std::vector<double>> factors;
+  int broken = 0;
   double slowest_s = 0.0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Comparison& one = all[i];
-    std::string named;
-    for (const Compared& effect : one.named) {
-      named += fmt::format("{}{}: {}{:.3g}, {:.3g}", named.empty() ? "" : "; ", effect.label,
-                           effect.sine_never ? "> " : "", effect.sine, effect.planned);
-      beyond_sine += effect.sine_never ? 1 : 0;
-      single.push_back(effect.factor());
-    }
     std::cout << fmt::format(
-        "| {:<4} | {:<10} | {:<58} | {:>6.3g} | {:>3.0f}, {:>3.0f}, {:>3.0f} | {:>5.1f} |\n", i + 1,
-        one.machine, named, one.factor, 100.0 * one.taken.range, 100.0 * one.taken.speed,
+        "| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.0f}, {:.0f}, {:.0f} | {:.1f} |\n", i + 1, one.machine,
+        one.effect, one.sine, one.planned, one.factor(), 100.0 * one.taken.range, 100.0 * one.taken.speed,
         100.0 * one.taken.torque, one.seconds);
-    by_machine[one.machine].push_back(one.factor);
-    factors.push_back(one.factor);
+    for (const std::string& group :
+         {std::string("all"), one.machine, one.effect.substr(0, one.effect.find('@'))}) {
+      factors[group].push_back(one.factor());
+    }
     broken += one.taken.broken();
     slowest_s = std::max(slowest_s, one.seconds);
   }
-  std::cout
-      << "\n| machines | number | median factor | smallest factor | at least 3 |\n|---|---|---|---|---|\n";
-  by_machine["all"] = factors;
-  for (const auto& [name, values] : by_machine) {
-    std::cout << fmt::format("| {} | {} | {:.3g} | {:.3g} | {} |\n", name, values.size(), median(values),
-                             *std::min_element(values.begin(), values.end()),
-                             std::count_if(values.begin(), values.end(), [](double v) { return v >= 3.0; }));
+  std::cout << "\n| of | number | median factor | smallest factor | at least 3 |\n|---|---|---|---|---|\n";
+  for (const auto& [group, values] : factors) {
+    std::cout << fmt::format("| {} | {} |\n", group, factorCells(values));
   }
-  std::cout << fmt::format(
-      "\n{} single effects: median factor {:.3g}, smallest {:.3g}, at least 3 in {}; the sine never shows "
-      "{}.\n"
-      "{} limits broken in {} simulations. Slowest plan {:.1f} s.\n",
-      single.size(), median(single), *std::min_element(single.begin(), single.end()),
-      std::count_if(single.begin(), single.end(), [](double v) { return v >= 3.0; }), beyond_sine, broken,
-      all.size(), slowest_s);
+  std::cout << fmt::format("\n{} limits broken in {} simulations. Slowest plan {:.1f} s.\n", broken,
+                           all.size(), slowest_s);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app(
-      "Compares planned motions with the best single sine of 0.5 Hz of the same duration, limits and start. "
-      "Factor: smallest size that the sine reveals over that of the plan, for the effects that the sine "
-      "shows "
-      "least. Each plan is then followed by the machine, with masses up to 5 % off and these effects hidden.",
+      "Compares planned motions with the best single sine of 0.5 Hz of the same duration, limits and start, "
+      "for the effect that this sine shows least. Factor: smallest size that the sine reveals over that of "
+      "the "
+      "plan. Each plan is then followed by the machine, with masses up to 5 % off and the effect hidden.",
       "patella-bench-plan");
   Options options;
   app.add_option("--machines", options.machines, "number of drawn machines")
@@ -96,6 +88,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--evaluations", options.compare.evaluations, "motions that each search looks at")
       ->check(CLI::Range(100, 1000000))
       ->capture_default_str();
+  app.add_option(
+         "--nominal-tolerance", options.compare.nominal_tolerance,
+         "relative, by which the model's parameters may be wrong; 1: hardly anything is known of them")
+      ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     std::vector<Comparison> all(options.machines);
@@ -105,7 +102,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       all[i] = compare(drawMachine(options.seed * 1000 + i), options.compare);
       const std::lock_guard lock(mutex);
       std::fprintf(stderr, "%zu of %zu: %s, factor %.3g\n", ++done, options.machines, all[i].machine.c_str(),
-                   all[i].factor);
+                   all[i].factor());
     });
     print(all);
   } catch (const std::exception& error) {

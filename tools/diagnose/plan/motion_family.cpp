@@ -33,12 +33,14 @@ Blend blendAt(double t_s, double blend_s) {
 }  // namespace
 
 std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joints) {
-  const double period_s = timing.duration_s - timing.blend_s;
+  const double period_s = (timing.duration_s - timing.blend_s) / kPeriods;
   const auto highest = static_cast<int>(std::floor(timing.highest_Hz * period_s + kNothing));
   if (highest < timing.harmonics) {
     throw std::invalid_argument(fmt::format(
-        "{} harmonics up to {} Hz in {:.4g} s, expected a duration without blend of {:.4g} s at least",
-        timing.harmonics, timing.highest_Hz, period_s, timing.harmonics / timing.highest_Hz));
+        "{} harmonics up to {} Hz in periods of {:.4g} s, expected periods of {:.4g} s at least, which fit "
+        "{} times "
+        "into the duration without its blend",
+        timing.harmonics, timing.highest_Hz, period_s, timing.harmonics / timing.highest_Hz, kPeriods));
   }
   const double steps = std::max(1.0, static_cast<double>(timing.harmonics * joints - 1));
   std::vector<std::vector<double>> all;

@@ -14,6 +14,10 @@
 
 namespace patella::diagnose {
 
+/// Times that a motion repeats itself within the duration without the blend: what judges a diagnosis is the
+/// last part of its recording, which has to look like the part that was fitted.
+inline constexpr int kPeriods = 2;
+
 struct PlanTiming {
   double duration_s = 20.0;  ///< from activation, the blend included
   double blend_s = 2.0;
@@ -21,7 +25,7 @@ struct PlanTiming {
   double highest_Hz = 2.0;  ///< of a harmonic
 };
 
-/// Harmonics of the period duration − blend for each joint, even in the logarithm from one a period to
+/// Harmonics of the period, (duration − blend) / kPeriods, for each joint, even in the logarithm from one a period to
 /// highest_Hz. Those of the joints lie between each other as far as there are enough: joints that share no
 /// frequency are told apart. Throws std::invalid_argument where the period holds too few.
 std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joints);

@@ -108,13 +108,21 @@ std::vector<PlannedEffect> plannedEffects(std::span<const std::string> names,
   const std::vector<std::string> every = plannableKinds();
   const model::DynamicsModel dynamics = model::makeModel({.mechanism = model.mechanism, .effects = {}});
   std::vector<PlannedEffect> effects;
-  const auto add = [&](const std::string& kind, int joint) {
+  // A load has no place on a joint whose next one sits where it does: then it throws where `asked` by name.
+  const auto add = [&](const std::string& kind, int joint, bool asked) {
     std::vector<Recipe> variants;
     effectHome(kind).add(typicalMotion(joint, limits, dynamics.mechanism(), duration_s), {}, variants);
     const bool known = std::any_of(effects.begin(), effects.end(), [&](const PlannedEffect& effect) {
       return effect.recipe->kind == kind && effect.recipe->joint == joint;
     });
     if (!variants.empty() && !known) {
+      if (kind == "payload" && !dynamics.mechanism().hasSegment(joint)) {
+        if (asked) {
+          throw std::invalid_argument(fmt::format(
+              "--effects: value 'payload@{}', expected a joint whose segment has a length", joint + 1));
+        }
+        return;
+      }
       const std::shared_ptr<const Recipe> plain = finished(std::move(variants.front()));
       effects.push_back({.recipe = plain, .nu = plain->grid[plain->grid.size() / 2]});
     }
@@ -129,7 +137,7 @@ std::vector<PlannedEffect> plannedEffects(std::span<const std::string> names,
     }
     for (int joint = 0; joint < model.joints(); ++joint) {
       if (name.joint.value_or(joint) == joint && actsOn(home, joint, model)) {
-        add(name.kind, joint);
+        add(name.kind, joint, name.joint.has_value());
       }
     }
   }

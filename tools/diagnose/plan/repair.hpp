@@ -10,11 +10,14 @@
 
 namespace patella::diagnose {
 
-/// The effects that a new motion has to show, as plannedEffects() takes them: of those that the motion could
-/// not tell (Excitation::not_identifiable) the commonly missing ones, or where none of them is there, all
-/// that a motion can show. Of a joint at rest, and where the recordings told nothing, the commonly missing
-/// ones.
-std::vector<std::string> effectsToShow(const std::vector<std::string>& not_identifiable, int joints);
+/// The effects that a new motion has to show, as plannedEffects() takes them:
+///  - `found` ones ("coulomb_friction@2"), which a motion that is too poor leaves in doubt
+///  - of those that it could not tell (Excitation::not_identifiable) the commonly missing ones, or where none
+///    of them is there and nothing was found, all that a motion can show. Payloads are left out: a motion
+///    tells no more of them than of the model's own masses.
+///  - the commonly missing ones of a joint at rest, and of all joints where nothing else is known
+std::vector<std::string> effectsToShow(const std::vector<std::string>& found,
+                                       const std::vector<std::string>& not_identifiable, int joints);
 
 /// The command line that designs a motion for a diagnosis in `out`; empty where the verdict is not
 /// insufficient_excitation. The loop's configuration, which has its limits, is not known to a diagnosis:
