@@ -33,7 +33,7 @@ struct Arguments {
   bool plan = false;
   fs::path config, model, from, out;
   std::vector<std::string> effects;
-  std::vector<double> q_min_rad, q_max_rad, velocity_rad_s, torque_Nm, start_rad, noise_Nm;
+  std::vector<double> q_min_rad, q_max_rad, velocity_rad_s, torque_Nm, start_rad, noise_Nm, reach_m;
   PlanTiming timing;
   DesignOptions design;
   double nominal_tolerance = runaway::kTolerance;
@@ -75,6 +75,9 @@ void declare(CLI::App& app, Arguments& a) {
   list("--torque-limit", a.torque_Nm, "N·m, likewise");
   list("--start", a.start_rad,
        "rad, pose at activation; that of [rig], or the middle of the ranges without one, unless given");
+  list("--reach", a.reach_m,
+       "m that the end point may go from where it is at the start: lowest and highest of each axis, as in "
+       "-0.2,0.3,-0.1,0.4; anywhere unless given");
   list(
       "--noise", a.noise_Nm,
       "N·m, rms of each joint's torque that no model explains; the diagnosis', or 0.2 % of the torque limit, "
@@ -143,6 +146,29 @@ void setStart(const Arguments& a, const std::vector<double>& configured, PlanReq
   }
 }
 
+void setReach(const Arguments& a, PlanRequest& request) {
+  if (a.reach_m.empty()) {
+    return;
+  }
+  const Eigen::Index axes = model::makeModel(request.model).mechanism().dimensions();
+  if (a.reach_m.size() != static_cast<std::size_t>(2 * axes)) {
+    throw std::invalid_argument(fmt::format("--reach: {} values, expected {}: lowest and highest of {} axes",
+                                            a.reach_m.size(), 2 * axes, axes));
+  }
+  Reach reach{.lowest_m = SpaceVector(axes), .highest_m = SpaceVector(axes)};
+  for (Eigen::Index k = 0; k < axes; ++k) {
+    reach.lowest_m[k] = a.reach_m[static_cast<std::size_t>(2 * k)];
+    reach.highest_m[k] = a.reach_m[static_cast<std::size_t>(2 * k + 1)];
+    if (!(reach.lowest_m[k] < 0.0 && reach.highest_m[k] > 0.0)) {
+      throw std::invalid_argument(
+          fmt::format("--reach of axis {}: {} to {} m, expected less than 0 to more than 0, as the start is "
+                      "within",
+                      k + 1, reach.lowest_m[k], reach.highest_m[k]));
+    }
+  }
+  request.reach = reach;
+}
+
 void setNoise(const Arguments& a, std::vector<NoiseOfJoint> known, PlanRequest& request) {
   /// A recording without any noise has the last bit of its numbers.
   constexpr double kLeast = 1e-6;
@@ -200,6 +226,7 @@ PlanRequest requestOf(const Arguments& a, PlanOrigin& origin) {
   origin.limits = a.config.empty() ? "of the command line" : "of " + a.config.filename().string();
   setLimits(a, !a.config.empty(), request);
   setStart(a, start, request);
+  setReach(a, request);
   Unrevealed unrevealed;
   if (!a.from.empty()) {
     unrevealed = readUnrevealed(a.from, request.model.joints());

@@ -45,6 +45,8 @@ TEST_CASE("wrong arguments are refused by name, and leave nothing behind") {
            {with({"--start", "0.3"}), "joint 1: the start at 0.3 rad"},
            {with({"--noise", "40"}), "less than its torque limit 30"},
            {with({"--duration", "2", "--blend", "2"}), "6 harmonics up to 2 Hz in periods of 0 s"},
+           {with({"--reach", "-0.1,0.1"}), "--reach: 2 values, expected 4"},
+           {with({"--reach", "0.1,0.2,-0.1,0.1"}), "--reach of axis 1"},
            {with({"--torque-limit", "200,3"}), "--torque-limit"},
        }) {
     std::vector<std::string> arguments{"--plan", "--out", (folder.path() / "plan").string()};

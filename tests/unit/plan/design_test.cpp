@@ -80,3 +80,12 @@ TEST_CASE("limits that no motion keeps are said to be so") {
   request.start_rad[0] = 0.15;
   CHECK_THROWS_AS(makePlan(request), std::invalid_argument);
 }
+
+TEST_CASE("a plan keeps the end point within its box") {
+  PlanRequest request = test::kneeRequest();
+  request.reach = Reach{.lowest_m = Eigen::Vector2d(-0.1, -0.1), .highest_m = Eigen::Vector2d(0.1, 0.1)};
+  const MotionPlan plan = makePlan(request);
+  CHECK(plan.motion.use.reach <= 1.0);
+  CHECK(plan.motion.use.reach > 0.5);
+  CHECK(plan.motion.use.position < 0.6);
+}

@@ -1,3 +1,5 @@
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <doctest/doctest.h>
@@ -19,9 +21,10 @@ control::ReferenceSettings sine(double offset_rad, double amplitude_rad, double 
   return reference;
 }
 
-LimitUse useOf(const control::ReferenceSettings& reference, const MotionLimits& limits, double rate_Hz) {
+LimitUse useOf(const control::ReferenceSettings& reference, const MotionLimits& limits, double rate_Hz,
+               const std::optional<Reach>& reach = {}) {
   TorqueAlong torque(test::kneeRequest().model);
-  return limitUse(reference, JointVector::Constant(1, -0.9), limits, torque, 12.0, rate_Hz);
+  return limitUse(reference, JointVector::Constant(1, -0.9), limits, reach, torque, 12.0, rate_Hz);
 }
 
 }  // namespace
@@ -62,4 +65,18 @@ TEST_CASE("a motion beyond a limit is not kept") {
   CHECK(useOf(sine(-0.9, 1.1, 0.1), limits, 1000.0).position > 1.0);
   CHECK(useOf(sine(-0.9, 0.9, 0.8), limits, 1000.0).speed > 1.0);
   CHECK(useOf(sine(-0.9, 0.6, 2.5), limits, 1000.0).torque > 1.0);
+}
+
+TEST_CASE("the end point's way from the start is held against its box") {
+  // From −0.9 rad to −1.5 rad at 0.4 m: by 0.4 (cos 0.9 − cos 1.5) back, and 0.4 (sin 1.5 − sin 0.9) down.
+  const MotionLimits limits = usableLimits(test::kneeRequest().limits, 1);
+  const double back_m = 0.4 * (std::cos(0.9) - std::cos(1.5)), down_m = 0.4 * (std::sin(1.5) - std::sin(0.9));
+  const Reach reach{.lowest_m = Eigen::Vector2d(-2.0 * back_m, -4.0 * down_m),
+                    .highest_m = Eigen::Vector2d(1.0, 1.0)};
+  const control::ReferenceSettings reference = sine(-1.2, 0.3, 0.25);
+  CHECK(useOf(reference, limits, 1000.0, reach).reach == doctest::Approx(0.5).epsilon(0.002));
+  CHECK(useOf(reference, limits, 1000.0).reach == 0.0);
+  const Reach narrow{.lowest_m = Eigen::Vector2d(-0.5 * back_m, -1.0),
+                     .highest_m = Eigen::Vector2d(1.0, 1.0)};
+  CHECK_FALSE(useOf(reference, limits, 1000.0, narrow).kept());
 }

@@ -39,7 +39,7 @@ std::vector<Revealed> bestSine(const PlanRequest& request) {
   const int joints = request.model.joints();
   const MotionLimits limits = usableLimits(request.limits, joints);
   const std::vector<std::vector<double>> frequency_Hz(static_cast<std::size_t>(joints), {kSine_Hz});
-  MotionFamily family(request.timing, frequency_Hz, limits, request.start_rad, request.model);
+  MotionFamily family(request.timing, frequency_Hz, limits, {}, request.start_rad, request.model);
   std::vector<Revealed> best;
   double lowest = std::numeric_limits<double>::infinity();
   constexpr int kPhases = 4, kSizes = 10;

@@ -83,7 +83,7 @@ void printSizes(const std::vector<Revealed>& all, const Units& units, std::ostre
     out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", effectWords(revealed.kind), revealed.joint + 1,
                        sizeWords(revealed, units),
                        std::isfinite(revealed.share_of_torque)
-                           ? fmt::format("{:.2g} %", kPercent * revealed.share_of_torque)
+                           ? shortNumber(kPercent * revealed.share_of_torque) + " %"
                            : "–");
   }
 }
@@ -160,7 +160,8 @@ std::string planJson(const MotionPlan& plan, const PlanRequest& request, const P
   }
   out["use_of_limits"] = {{"position", plan.motion.use.position},
                           {"speed", plan.motion.use.speed},
-                          {"torque", plan.motion.use.torque}};
+                          {"torque", plan.motion.use.torque},
+                          {"reach", plan.motion.use.reach}};
   out["revealed"] = describedAll(plan.revealed);
   out["also_revealed"] = describedAll(plan.others);
   out["inputs"] = Json::array();

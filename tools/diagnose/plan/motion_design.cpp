@@ -66,8 +66,9 @@ class Search {
     climbers.resize(kClimbed);
     if (!std::isfinite(climbers.front().value)) {
       throw std::runtime_error(
-          "no motion was found within the limits: of the motions that were tried, each asks for more torque "
-          "or speed than is allowed. Give more torque, a longer blend, or another start");
+          "no motion was found within the limits: of the motions that were tried, each asks for more torque, "
+          "speed or room of the end point than is allowed. Give more of them, a longer blend, or another "
+          "start");
     }
     for (Climber& climber : climbers) {
       climb(climber, count(kClimbing) / kClimbed);
@@ -172,8 +173,8 @@ control::ReferenceSettings rounded(control::ReferenceSettings reference, int joi
 }  // namespace
 
 DesignedMotion designMotion(MotionFamily& family, Information& information, const JointVector& start_rad,
-                            const MotionLimits& limits, TorqueAlong& torque, double duration_s,
-                            const DesignOptions& options) {
+                            const MotionLimits& limits, const std::optional<Reach>& reach,
+                            TorqueAlong& torque, double duration_s, const DesignOptions& options) {
   Search search(family, information, options);
   const Climber best = search.best();
   FourierMotion motion = family.at(best.point).value();
@@ -181,7 +182,8 @@ DesignedMotion designMotion(MotionFamily& family, Information& information, cons
   designed.first_log_determinant = search.first();
   for (int shrink = 0; shrink <= kMostShrinks; ++shrink) {
     designed.reference = rounded(family.reference(motion), family.joints());
-    designed.use = limitUse(designed.reference, start_rad, limits, torque, duration_s, options.rate_Hz);
+    designed.use =
+        limitUse(designed.reference, start_rad, limits, reach, torque, duration_s, options.rate_Hz);
     if (designed.use.kept()) {
       designed.sampled = family.sampled(motion);
       designed.log_determinant = information.logDeterminant(designed.sampled);

@@ -28,7 +28,7 @@ struct DesignedMotion {
 /// The motion of the family with the largest logDeterminant() that was found. Throws std::runtime_error where
 /// none of the starts fits the limits.
 DesignedMotion designMotion(MotionFamily& family, Information& information, const JointVector& start_rad,
-                            const MotionLimits& limits, TorqueAlong& torque, double duration_s,
-                            const DesignOptions& options);
+                            const MotionLimits& limits, const std::optional<Reach>& reach,
+                            TorqueAlong& torque, double duration_s, const DesignOptions& options);
 
 }  // namespace patella::diagnose

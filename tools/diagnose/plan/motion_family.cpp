@@ -60,11 +60,12 @@ std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joint
 }
 
 MotionFamily::MotionFamily(const PlanTiming& timing, std::vector<std::vector<double>> frequency_Hz,
-                           const MotionLimits& limits, const JointVector& start_rad,
-                           const model::ModelDescription& model)
+                           const MotionLimits& limits, const std::optional<Reach>& reach,
+                           const JointVector& start_rad, const model::ModelDescription& model)
     : timing_(timing),
       frequency_Hz_(std::move(frequency_Hz)),
       limits_(limits),
+      reach_(reach),
       start_rad_(start_rad),
       torque_(model),
       harmonics_(static_cast<Eigen::Index>(frequency_Hz_.front().size())),
@@ -162,7 +163,11 @@ bool MotionFamily::fits(const SampledMotion& motion) {
       return false;
     }
   }
+  EndPointAlong end_point;
   for (Eigen::Index i = 0; i < samples_; ++i) {
+    if (reach_ && end_point.shareAt(torque_.mechanism(), *reach_, motion.q.row(i).transpose()) > 1.0) {
+      return false;
+    }
     const JointVector now =
         torque_.at(motion.q.row(i).transpose(), motion.dq.row(i).transpose(), motion.ddq.row(i).transpose(),
                    static_cast<double>(i) * kStep_s, i == 0);

@@ -25,9 +25,9 @@ struct PlanTiming {
   double highest_Hz = 2.0;  ///< of a harmonic
 };
 
-/// Harmonics of the period, (duration − blend) / kPeriods, for each joint, even in the logarithm from one a period to
-/// highest_Hz. Those of the joints lie between each other as far as there are enough: joints that share no
-/// frequency are told apart. Throws std::invalid_argument where the period holds too few.
+/// Harmonics of the period, (duration − blend) / kPeriods, for each joint, even in the logarithm from one a
+/// period to highest_Hz. Those of the joints lie between each other as far as there are enough: joints that
+/// share no frequency are told apart. Throws std::invalid_argument where the period holds too few.
 std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joints);
 
 struct SampledMotion {
@@ -45,7 +45,7 @@ class MotionFamily {
  public:
   /// All joints have as many frequencies. Throws std::invalid_argument where the start is out of the limits.
   MotionFamily(const PlanTiming& timing, std::vector<std::vector<double>> frequency_Hz,
-               const MotionLimits& limits, const JointVector& start_rad,
+               const MotionLimits& limits, const std::optional<Reach>& reach, const JointVector& start_rad,
                const model::ModelDescription& model);
 
   int joints() const noexcept { return static_cast<int>(limits_.size()); }
@@ -56,7 +56,7 @@ class MotionFamily {
   Eigen::Index firstAmplitude(int joint) const noexcept { return joint * numbersOfJoint() + 2; }
 
   /// The largest motion of this shape within position and speed, scaled down as a whole until the blend's
-  /// speed and the torque fit, too; nothing where no size does.
+  /// speed, the torque and the end point fit, too; nothing where no size does.
   std::optional<FourierMotion> at(const Eigen::VectorXd& point);
   SampledMotion sampled(const FourierMotion& motion) const;
   control::ReferenceSettings reference(const FourierMotion& motion) const;
@@ -68,6 +68,7 @@ class MotionFamily {
   PlanTiming timing_;
   std::vector<std::vector<double>> frequency_Hz_;
   MotionLimits limits_;
+  std::optional<Reach> reach_;
   JointVector start_rad_;
   TorqueAlong torque_;
   Eigen::Index harmonics_;

@@ -84,8 +84,31 @@ JointVector TorqueAlong::at(const JointVector& q, const JointVector& dq, const J
   return dynamics_.inverseDynamics(input, ddq);
 }
 
+double EndPointAlong::shareAt(const model::Mechanism& mechanism, const Reach& reach, const JointVector& q) {
+  const Jacobian jacobian = mechanism.jacobian(q);
+  if (calls_ == 0) {
+    way_m_ = SpaceVector::Zero(mechanism.dimensions());
+    before_last_way_m_ = last_way_m_ = way_m_;
+  } else {
+    before_last_way_m_ = last_way_m_;
+    last_way_m_ = way_m_;
+    way_m_ += 0.5 * (jacobian + last_) * (q - last_q_);
+  }
+  last_ = jacobian;
+  last_q_ = q;
+  ++calls_;
+  double share = 0.0;
+  for (Eigen::Index k = 0; k < way_m_.size(); ++k) {
+    const double bend = std::abs(way_m_[k] - 2.0 * last_way_m_[k] + before_last_way_m_[k]) / 8.0;
+    share =
+        std::max({share, (way_m_[k] + bend) / reach.highest_m[k], (way_m_[k] - bend) / reach.lowest_m[k]});
+  }
+  return share;
+}
+
 LimitUse limitUse(const control::ReferenceSettings& reference, const JointVector& start_rad,
-                  const MotionLimits& limits, TorqueAlong& torque, double duration_s, double rate_Hz) {
+                  const MotionLimits& limits, const std::optional<Reach>& reach, TorqueAlong& torque,
+                  double duration_s, double rate_Hz) {
   const auto joints = static_cast<Eigen::Index>(limits.size());
   control::ReferenceTrajectory trajectory(static_cast<int>(joints), reference);
   trajectory.start(start_rad);
@@ -98,6 +121,7 @@ LimitUse limitUse(const control::ReferenceSettings& reference, const JointVector
   LimitUse use;
   JointVector last = JointVector::Zero(joints), before_last = last;
   JointVector peak_Nm = JointVector::Zero(joints), bend_Nm = JointVector::Zero(joints);
+  EndPointAlong end_point;
   const auto ticks = static_cast<int>(std::ceil(duration_s * rate_Hz));
   for (int i = 0; i <= ticks; ++i) {
     const control::ReferencePoint point = trajectory.at(i * step_s);
@@ -112,6 +136,9 @@ LimitUse limitUse(const control::ReferenceSettings& reference, const JointVector
       use.speed =
           std::max(use.speed, (std::abs(point.dq[j]) + between(bend.of_speed, step_s)) / limit.speed_rad_s);
     }
+    if (reach) {
+      use.reach = std::max(use.reach, end_point.shareAt(torque.mechanism(), *reach, point.q));
+    }
     peak_Nm = peak_Nm.cwiseMax(now.cwiseAbs());
     if (i > 1) {
       bend_Nm = bend_Nm.cwiseMax((now - 2.0 * last + before_last).cwiseAbs());
@@ -121,10 +148,7 @@ LimitUse limitUse(const control::ReferenceSettings& reference, const JointVector
   }
   for (Eigen::Index j = 0; j < joints; ++j) {
     const double share = (peak_Nm[j] + bend_Nm[j] / 8.0) / limits[static_cast<std::size_t>(j)].torque_Nm;
-    if (share > use.torque) {
-      use.torque = share;
-      use.torque_joint = static_cast<int>(j);
-    }
+    use.torque = std::max(use.torque, share);
   }
   return use;
 }

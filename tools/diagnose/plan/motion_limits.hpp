@@ -1,7 +1,7 @@
 // What a planned motion may use of a machine's limits, and how much of it a motion takes.
 #pragma once
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "core/control/reference_trajectory.hpp"
@@ -28,6 +28,11 @@ struct UsableRange {
 };
 using MotionLimits = std::vector<UsableRange>;
 
+/// Box in which the end point stays, m from where it is at the start, in the axes of the mechanism.
+struct Reach {
+  SpaceVector lowest_m, highest_m;
+};
+
 /// The loop's limits less the margins above. Throws std::invalid_argument, naming the joint, where nothing is
 /// left of a range.
 MotionLimits usableLimits(const safety::SafetyLimits& limits, int joints);
@@ -37,9 +42,9 @@ struct LimitUse {
   double position = 0.0;  ///< of half the range, from its middle
   double speed = 0.0;
   double torque = 0.0;
-  int torque_joint = 0;  ///< whose torque that is, from 0
+  double reach = 0.0;  ///< of each side of the box; 0 without one
 
-  bool kept() const noexcept { return position <= 1.0 && speed <= 1.0 && torque <= 1.0; }
+  bool kept() const noexcept { return position <= 1.0 && speed <= 1.0 && torque <= 1.0 && reach <= 1.0; }
 };
 
 /// Inverse dynamics of a model, its declared effects included, along a motion.
@@ -58,10 +63,25 @@ class TorqueAlong {
   double last_s_ = 0.0;
 };
 
+/// Way of the end point from the start, by the trapezoid rule over J(q) dq: no mechanism says where its end
+/// point is, but all say how it moves. The error falls with the square of the step.
+class EndPointAlong {
+ public:
+  /// Share of the box that the way takes at q, the first of which is the start.
+  double shareAt(const model::Mechanism& mechanism, const Reach& reach, const JointVector& q);
+
+ private:
+  JointVector last_q_;
+  Jacobian last_;
+  SpaceVector way_m_, last_way_m_, before_last_way_m_;
+  int calls_ = 0;
+};
+
 /// The reference as the loop runs it, from `start_rad` on, at the loop's ticks. Between them a function f
 /// leaves the line through its samples by h²/8 · max|f''| at most. That is added: for position and speed with
-/// a bound of f'' from the amplitudes, for the torque with the largest second difference of the samples.
+/// a bound of f'' from the amplitudes, for torque and end point with second differences of the samples.
 LimitUse limitUse(const control::ReferenceSettings& reference, const JointVector& start_rad,
-                  const MotionLimits& limits, TorqueAlong& torque, double duration_s, double rate_Hz);
+                  const MotionLimits& limits, const std::optional<Reach>& reach, TorqueAlong& torque,
+                  double duration_s, double rate_Hz);
 
 }  // namespace patella::diagnose

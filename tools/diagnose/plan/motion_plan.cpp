@@ -30,10 +30,10 @@ MotionPlan makePlan(const PlanRequest& request) {
   plan.parameters = asksFor(request.effects, "all") || asksFor(request.effects, "none");
   Information information(request.model, effectsOf(request, limits),
                           informationOptions(request, plan.parameters));
-  MotionFamily family(request.timing, harmonicsOf(request.timing, joints), limits, request.start_rad,
-                      request.model);
+  MotionFamily family(request.timing, harmonicsOf(request.timing, joints), limits, request.reach,
+                      request.start_rad, request.model);
   TorqueAlong torque(request.model);
-  plan.motion = designMotion(family, information, request.start_rad, limits, torque,
+  plan.motion = designMotion(family, information, request.start_rad, limits, request.reach, torque,
                              request.timing.duration_s, request.design);
   plan.revealed = information.revealed(plan.motion.sampled);
   std::stable_sort(plan.revealed.begin(), plan.revealed.end(), [](const Revealed& a, const Revealed& b) {

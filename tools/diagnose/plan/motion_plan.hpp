@@ -1,7 +1,7 @@
 // A plan: the motion that makes named effects, or all parameters, identifiable, and what it would reveal.
 #pragma once
 
-#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +12,7 @@ namespace patella::diagnose {
 struct PlanRequest {
   model::ModelDescription model;
   safety::SafetyLimits limits;
+  std::optional<Reach> reach{};      ///< of the end point; without one, it may be anywhere
   JointVector start_rad;             ///< pose at activation
   std::vector<std::string> effects;  ///< see plannedEffects(); "none" asks for the base parameters alone
   std::vector<NoiseOfJoint> noise;   ///< of each joint
