@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -38,7 +38,18 @@ Figure figureOf(const Quantity& quantity, int joint, double step_s) {
     series.y.push_back(quantity.values(i, joint));
   }
   figure.series.push_back(std::move(series));
-  figure.levels = {{.value = quantity.low, .label = "limit"}, {.value = quantity.high, .label = "limit"}};
+  // A limit that the motion stays far away from is said, as it would press the curve flat.
+  constexpr double kNear = 0.25;
+  const double lowest = quantity.values.col(joint).minCoeff(),
+               highest = quantity.values.col(joint).maxCoeff();
+  const double near = kNear * (highest - lowest);
+  for (const auto& [limit, away] :
+       {std::pair(quantity.low, lowest - quantity.low), std::pair(quantity.high, quantity.high - highest)}) {
+    if (away < near) {
+      figure.levels.push_back({.value = limit, .label = "limit"});
+    }
+  }
+  figure.title += fmt::format(", allowed {} to {}", shortNumber(quantity.low), shortNumber(quantity.high));
   return figure;
 }
 

@@ -4,6 +4,7 @@
 // β: base parameters; γ: declared effects; s: sizes of the effects that are planned for.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
