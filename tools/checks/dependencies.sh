@@ -54,7 +54,7 @@ rooms() {
   done
 }
 # In the way that a recording goes, the thresholds of all of it first.
-rooms tools/diagnose thresholds.hpp result regression effects fit checks search verdict output
+rooms tools/diagnose thresholds.hpp result regression effects fit checks search verdict plan output
 # The loop tells a sink what it did and knows nobody who keeps account.
 rooms firmware_app files formats live weights realtime loop configuration recorder commands
 # Only benchmarks and studies run the loop.

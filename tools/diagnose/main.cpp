@@ -23,6 +23,9 @@
 #include "tools/diagnose/output/diagnosis_json.hpp"
 #include "tools/diagnose/output/diagnosis_report.hpp"
 #include "tools/diagnose/output/effects_document.hpp"
+#include "tools/diagnose/output/result_folder.hpp"
+#include "tools/diagnose/plan/repair.hpp"
+#include "tools/diagnose/plan_command.hpp"
 #include "tools/diagnose/regression/excerpts.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/recordings/recording_file.hpp"
@@ -154,48 +157,6 @@ std::string heading(const Arguments& arguments, const Diagnosis& diagnosis) {
   return text;
 }
 
-/// A folder for results, made if need be, and taken away again if they do not come.
-class ResultFolder {
- public:
-  explicit ResultFolder(const fs::path& path) : path_(path) {
-    for (fs::path missing = fs::absolute(path).lexically_normal(); !fs::exists(missing);
-         missing = missing.parent_path()) {
-      made_.push_back(missing);
-    }
-    std::error_code error;
-    fs::create_directories(path, error);
-    if (error || !fs::is_directory(path)) {
-      throw app::FileError(path.string() +
-                           ": cannot be a folder for results: " + (error ? error.message() : "it is a file"));
-    }
-  }
-  ~ResultFolder() {
-    for (const fs::path& folder : made_) {
-      std::error_code ignored;
-      fs::remove(folder, ignored);
-    }
-  }
-  ResultFolder(const ResultFolder&) = delete;
-  ResultFolder& operator=(const ResultFolder&) = delete;
-
-  /// Writes all files or none that is incomplete.
-  void write(const std::vector<std::pair<const char*, std::string>>& files) {
-    std::vector<std::unique_ptr<app::AtomicFile>> open;
-    for (const auto& [name, text] : files) {
-      open.push_back(std::make_unique<app::AtomicFile>(path_ / name));
-      open.back()->write(text);
-    }
-    for (const auto& file : open) {
-      file->commit();
-    }
-    made_.clear();
-  }
-
- private:
-  fs::path path_;
-  std::vector<fs::path> made_;  ///< innermost first
-};
-
 void run(Arguments& a) {
   a.options.effects = chosenKinds(a.effects);
   if (!a.torque_timing.empty()) {
@@ -219,7 +180,8 @@ void run(Arguments& a) {
   const std::vector<Recording> recordings = loadAll(a.data, a.recording, progress);
   const std::vector<Recording> holdout = loadAll(a.holdout, a.recording, progress);
   a.options.progress = [&](std::string_view stage, double fraction) { progress.at(stage, fraction); };
-  const Diagnosis diagnosis = diagnose::diagnose(recordings, holdout, model, a.options);
+  Diagnosis diagnosis = diagnose::diagnose(recordings, holdout, model, a.options);
+  diagnosis.plan_command = planCommandLine(diagnosis, a.model, a.out);
   progress.at("drawing", 0.0);
   folder.write({{"model.extended.toml", app::modelText(diagnosis.extended, heading(a, diagnosis))},
                 {"diagnosis.json", diagnosisText(diagnosis)},
@@ -231,6 +193,9 @@ void run(Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  if (asksForPlan(argc, argv)) {
+    return runPlan(argc, argv);
+  }
   CLI::App app(
       "Finds the physical effect that a model lacks, with its parameters and how sure they are, from "
       "recordings of "
@@ -238,6 +203,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "patella-diagnose");
   Arguments arguments;
   declare(app, arguments);
+  app.footer(planHelp());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -46,6 +46,14 @@ TEST_CASE("an answer has fifteen lines at most") {
   CHECK(text.find("and 19 more in the report") != std::string::npos);
 }
 
+TEST_CASE("an answer of a motion that was too poor has the command that plans a better one") {
+  diagnose::Diagnosis poor = test::madeUpDiagnosis();
+  CHECK(answer(poor).find("--plan") == std::string::npos);
+  poor.plan_command = "patella-diagnose --plan --config CONFIG";
+  CHECK(answer(poor).find("configuration CONFIG:\n    patella-diagnose --plan --config CONFIG\n") !=
+        std::string::npos);
+}
+
 TEST_CASE("without held-out data the error is that of the data") {
   const std::string text = answer(test::madeUpPostures());
   CHECK(text.find("error of joint 1, N·m: 0.1 as given") != std::string::npos);

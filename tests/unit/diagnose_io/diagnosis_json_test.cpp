@@ -22,10 +22,11 @@ TEST_CASE("every key is there, in the promised order") {
   for (const auto& [key, value] : out.items()) {
     keys.push_back(key);
   }
-  CHECK(keys == std::vector<std::string>{"verdict", "explanation", "doubts", "effects", "error", "rest",
-                                         "simulation_error", "excitation", "revealed", "unexplained",
-                                         "nominal_parameters", "correlations", "runaways", "drive_timing",
-                                         "steps", "warnings", "seed", "inputs", "versions"});
+  CHECK(keys == std::vector<std::string>{
+                    "verdict",     "explanation",        "doubts",       "effects",      "error",
+                    "rest",        "simulation_error",   "excitation",   "plan_command", "revealed",
+                    "unexplained", "nominal_parameters", "correlations", "runaways",     "drive_timing",
+                    "steps",       "warnings",           "seed",         "inputs",       "versions"});
 }
 
 TEST_CASE("an effect has its parameters by name, and counts joints from 1") {

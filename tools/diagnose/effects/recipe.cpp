@@ -52,6 +52,13 @@ std::vector<std::vector<BasisTerm>> unitBasis(const Recipe& recipe, Numbers nu) 
   return bases;
 }
 
+// Acts on what the drive gives: on a joint whose drive is off it has nothing to act on.
+bool needsDrive(const EffectHome& home) {
+  return home.shows == Shows::kTorque || home.shows == Shows::kTorqueRate;
+}
+
+}  // namespace
+
 std::shared_ptr<const Recipe> finished(Recipe recipe) {
   if (!recipe.basis) {
     // By value: the basis of units needs nothing but the recipe's own parameters.
@@ -59,13 +66,6 @@ std::shared_ptr<const Recipe> finished(Recipe recipe) {
   }
   return std::make_shared<const Recipe>(std::move(recipe));
 }
-
-// Acts on what the drive gives: on a joint whose drive is off it has nothing to act on.
-bool needsDrive(const EffectHome& home) {
-  return home.shows == Shows::kTorque || home.shows == Shows::kTorqueRate;
-}
-
-}  // namespace
 
 std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
                                                    std::span<const std::string> kinds,

@@ -2,6 +2,7 @@
 // in the patient. Each scales where it looks to how the joint moved.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -58,6 +59,9 @@ Recipe single(const char* kind, const Motion& motion, const char* strength, bool
 /// Amplitude and phase as the amplitudes of sine and cosine.
 Recipe oscillation(const char* kind, const Motion& motion, const char* frequency,
                    std::vector<double> frequencies);
+
+/// With the basis that follows from its parameters where it has none of its own.
+std::shared_ptr<const Recipe> finished(Recipe recipe);
 
 /// Homes of the effects, by where they are.
 std::vector<EffectHome> frictionEffects();

@@ -101,6 +101,10 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
   if (const std::string revealed = revealedWords(diagnosis); !revealed.empty()) {
     out << "  would have shown: " << revealed << "\n";
   }
+  if (!diagnosis.plan_command.empty()) {
+    out << "  a motion that would tell, within the limits of the loop's configuration CONFIG:\n    "
+        << diagnosis.plan_command << "\n";
+  }
   for (std::size_t joint = 0; joint < diagnosis.before.train_rms_Nm.size(); ++joint) {
     out << errorLine(diagnosis, joint) << "\n";
   }

@@ -140,6 +140,7 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
                              {"after", diagnosis.after.simulation_rms_rad},
                              {"unit", unitsOf(diagnosis).position}};
   out["excitation"] = describeExcitation(diagnosis.excitation);
+  out["plan_command"] = diagnosis.plan_command.empty() ? Json() : Json(diagnosis.plan_command);
   out["revealed"] = list(diagnosis.revealed, describeRevealed);
   out["unexplained"] = list(diagnosis.unexplained, describeUnexplained);
   out["nominal_parameters"] = list(diagnosis.nominal, describeNominal);

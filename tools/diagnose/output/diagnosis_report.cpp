@@ -172,7 +172,14 @@ std::string excitationTables(const Diagnosis& diagnosis) {
   if (!excitation.not_identifiable.empty()) {
     known.rows.push_back({"not identifiable", joinedWords(excitation.not_identifiable)});
   }
-  return text + (known.rows.empty() ? "" : tableText(known));
+  text += known.rows.empty() ? "" : tableText(known);
+  if (!diagnosis.plan_command.empty()) {
+    text +=
+        "<div class=\"group\"><h3>A motion that would tell</h3>\n<p>Within the limits of the loop's "
+        "configuration CONFIG:</p>\n<pre>" +
+        escaped(diagnosis.plan_command) + "</pre></div>\n";
+  }
+  return text;
 }
 
 std::string unexplainedTable(const Diagnosis& diagnosis) {

@@ -211,6 +211,7 @@ struct Diagnosis {
   std::vector<InputFile> inputs;
   model::ModelDescription extended;  ///< what model.extended.toml holds
   std::string torque_unit = "N·m";
+  std::string plan_command;  ///< that plans a motion which tells more; empty where the motion told enough
 };
 
 }  // namespace patella::diagnose

@@ -35,12 +35,6 @@ constexpr double kStep = 2.0;
 constexpr int kMostSteps = 6;
 constexpr int kHalvings = 3;
 
-/// The main parameter of an effect of some size, and with it all of its parameters.
-struct Strength {
-  double main = std::nan("");  ///< NaN where the torque does not grow with one number
-  std::vector<double> parameters{};
-};
-
 struct Size {
   double torque_Nm = kNever;
   Strength strength{};
@@ -48,13 +42,67 @@ struct Size {
   Detectable shape{};
 };
 
-// What it takes for the effect's torque to be as large.
-Strength strengthAt(const Atom& atom, const Detectable& shape, double torque_Nm) {
-  const Recipe& recipe = *atom.recipe;
+Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
+            double structure_Nm) {
+  const Detectable shape = detector.of(atoms.of(atom), atom.joint);
+  const double torque_Nm = smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm);
+  if (!std::isfinite(torque_Nm)) {
+    return {};
+  }
+  Strength strength = strengthAt(*atom.recipe, atom.nu, torque_Nm / shape.unit_Nm);
+  return std::isinf(strength.main)
+             ? Size{}
+             : Size{.torque_Nm = torque_Nm, .strength = std::move(strength), .atom = &atom, .shape = shape};
+}
+
+// Not smaller than `least`, which takes noise for known.
+Size rehearsed(const Size& least, const Rehearsal& rehearsal) {
+  const auto asserts = [&](double factor) {
+    return rehearsal.asserts(factor * least.torque_Nm / least.shape.unit_Nm);
+  };
+  double above = 1.0;
+  for (int step = 0; !asserts(above); ++step) {
+    if (step == kMostSteps) {
+      return {};
+    }
+    above *= kStep;
+  }
+  double below = above / kStep;
+  for (int halving = 0; halving < kHalvings && above > 1.0; ++halving) {
+    const double middle = std::sqrt(below * above);
+    (asserts(middle) ? above : below) = middle;
+  }
+  Size size = least;
+  size.torque_Nm *= above;
+  size.strength = strengthAt(*least.atom->recipe, least.atom->nu, size.torque_Nm / least.shape.unit_Nm);
+  return std::isinf(size.strength.main) ? Size{} : size;
+}
+
+Size median(std::vector<Size> sizes) {
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end(),
+                   [](const Size& a, const Size& b) { return a.torque_Nm < b.torque_Nm; });
+  return *middle;
+}
+
+// A kind may have variants; the plain one comes first.
+std::vector<const Atom*> plainPoints(std::span<const Atom* const> points) {
+  std::vector<const Atom*> plain;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(plain),
+               [&](const Atom* point) { return point->recipe == points.front()->recipe; });
+  return plain;
+}
+
+bool isCommon(const Revealed& revealed) {
+  return std::find(kCommon.begin(), kCommon.end(), revealed.kind) != kCommon.end();
+}
+
+}  // namespace
+
+Strength strengthAt(const Recipe& recipe, const std::vector<double>& point, double factor) {
   const auto& strengths = effectHome(recipe.kind).strengths;
-  const double factor = torque_Nm / shape.unit_Nm;
   std::vector<double> c(recipe.coefficients(), 0.0);
-  std::vector<double> nu = atom.nu;
+  std::vector<double> nu = point;
   std::size_t index = 0;
   const auto& parameters = model::findEffect(recipe.kind)->parameters;
   if (!c.empty() && !strengths.empty()) {
@@ -85,68 +133,11 @@ Strength strengthAt(const Atom& atom, const Detectable& shape, double torque_Nm)
                                            : Strength{.main = kNever};
 }
 
-Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
-            double structure_Nm) {
-  const Detectable shape = detector.of(atoms.of(atom), atom.joint);
-  const double torque_Nm = smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm);
-  if (!std::isfinite(torque_Nm)) {
-    return {};
-  }
-  Strength strength = strengthAt(atom, shape, torque_Nm);
-  return std::isinf(strength.main)
-             ? Size{}
-             : Size{.torque_Nm = torque_Nm, .strength = std::move(strength), .atom = &atom, .shape = shape};
-}
-
-// Not smaller than `least`, which takes noise for known.
-Size rehearsed(const Size& least, const Rehearsal& rehearsal) {
-  const auto asserts = [&](double factor) {
-    return rehearsal.asserts(factor * least.torque_Nm / least.shape.unit_Nm);
-  };
-  double above = 1.0;
-  for (int step = 0; !asserts(above); ++step) {
-    if (step == kMostSteps) {
-      return {};
-    }
-    above *= kStep;
-  }
-  double below = above / kStep;
-  for (int halving = 0; halving < kHalvings && above > 1.0; ++halving) {
-    const double middle = std::sqrt(below * above);
-    (asserts(middle) ? above : below) = middle;
-  }
-  Size size = least;
-  size.torque_Nm *= above;
-  size.strength = strengthAt(*least.atom, least.shape, size.torque_Nm);
-  return std::isinf(size.strength.main) ? Size{} : size;
-}
-
-Size median(std::vector<Size> sizes) {
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end(),
-                   [](const Size& a, const Size& b) { return a.torque_Nm < b.torque_Nm; });
-  return *middle;
-}
-
 std::string mainParameter(std::string_view kind) {
   const auto& strengths = effectHome(kind).strengths;
   return std::string(strengths.empty() ? model::findEffect(kind)->parameters.front().name
                                        : strengths.front().front());
 }
-
-// A kind may have variants; the plain one comes first.
-std::vector<const Atom*> plainPoints(std::span<const Atom* const> points) {
-  std::vector<const Atom*> plain;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(plain),
-               [&](const Atom* point) { return point->recipe == points.front()->recipe; });
-  return plain;
-}
-
-bool isCommon(const Revealed& revealed) {
-  return std::find(kCommon.begin(), kCommon.end(), revealed.kind) != kCommon.end();
-}
-
-}  // namespace
 
 double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm) {
   if (!(shape.own_share > 0.0) || !std::isfinite(shape.in_noise)) {

@@ -1,9 +1,11 @@
 // Power of a recording: the smallest size of every effect that it would have revealed.
 #pragma once
 
+#include <cmath>
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/diagnose/result/diagnosis.hpp"
@@ -17,6 +19,18 @@ namespace patella::diagnose {
 /// joint, of which asserted::kLooks looks are known. Infinite where nothing tells it from the given
 /// parameters. `noise_Nm`: rms of what the fit leaves there.
 double smallestTorque_Nm(const Detectable& shape, double threshold, double noise_Nm, double structure_Nm);
+
+/// The main parameter of an effect of some size, and with it all of its parameters.
+struct Strength {
+  double main =
+      std::nan("");  ///< NaN where the torque does not grow with one number; infinite beyond its range
+  std::vector<double> parameters{};
+};
+/// What it takes for the effect's torque to be `factor` times that of its first basis at ν.
+Strength strengthAt(const Recipe& recipe, const std::vector<double>& nu, double factor);
+
+/// Name of the parameter by which a kind is sized, with its unit.
+std::string mainParameter(std::string_view kind);
 
 /// What chance brings the last step of a search.
 struct Chance {

@@ -1,0 +1,85 @@
+// patella-diagnose --plan on arguments and files that it cannot use.
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/program.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+using namespace patella;
+
+namespace {
+
+const char* const kKnee =
+    "[mechanism]\nkind = \"revolute\"\ninertia_kg_m2 = 0.35\nmoment_kg_m = 1.0\nlength_m = 0.4\n";
+
+struct Refused {
+  std::vector<std::string> arguments;
+  const char* because;
+};
+
+}  // namespace
+
+TEST_CASE("wrong arguments are refused by name, and leave nothing behind") {
+  const test::ScratchFolder folder;
+  const std::string model = (folder.path() / "knee.toml").string();
+  app::writeFile(model, kKnee);
+  const std::vector<std::string> limits{"--model",    model, "--q-min",        "-2", "--q-max", "0.2",
+                                        "--velocity", "4",   "--torque-limit", "30"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), limits.begin(), limits.end());
+    return more;
+  };
+  for (const Refused& refused : std::vector<Refused>{
+           {{}, "neither --config nor --model"},
+           {{"--model", model}, "--q-min: not given, expected one value for each joint, or --config"},
+           {{"--model", "absent.toml"}, "absent.toml"},
+           {{"--config", "absent.toml"}, "absent.toml"},
+           {with({"--effects", "coulomb_fricton"}), "did you mean 'coulomb_friction'?"},
+           {with({"--effects", "coulomb_friction@3"}), "expected a joint from 1 to 1"},
+           {with({"--effects", "all,payload"}), "'all' among others"},
+           {with({"--from", "absent.json"}), "absent.json"},
+           {with({"--start", "0.3,0.4"}), "--start: 2 values, expected 1"},
+           {with({"--start", "0.3"}), "joint 1: the start at 0.3 rad"},
+           {with({"--noise", "40"}), "less than its torque limit 30"},
+           {with({"--duration", "2", "--blend", "2"}), "6 harmonics up to 2 Hz in periods of 0 s"},
+           {with({"--reach", "-0.1,0.1"}), "--reach: 2 values, expected 4"},
+           {with({"--reach", "0.1,0.2,-0.1,0.1"}), "--reach of axis 1"},
+           {with({"--torque-limit", "200,3"}), "--torque-limit"},
+       }) {
+    std::vector<std::string> arguments{"--plan", "--out", (folder.path() / "plan").string()};
+    arguments.insert(arguments.end(), refused.arguments.begin(), refused.arguments.end());
+    const test::Outcome outcome = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, arguments);
+    CAPTURE(refused.because);
+    CAPTURE(outcome.errors);
+    CHECK(outcome.exit_status == 1);
+    CHECK(outcome.errors.find(refused.because) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder.path() / "plan"));
+  }
+}
+
+TEST_CASE("limits of the command line do without a configuration") {
+  const test::ScratchFolder folder;
+  app::writeFile(folder.path() / "knee.toml", kKnee);
+  const test::Outcome outcome =
+      test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE,
+                       {"--plan", "--model", (folder.path() / "knee.toml").string(), "--q-min", "-2",
+                        "--q-max", "0.2", "--velocity", "4", "--torque-limit", "30", "--effects", "none",
+                        "--evaluations", "200", "--out", (folder.path() / "plan").string()});
+  CAPTURE(outcome.errors);
+  CHECK(outcome.exit_status == 0);
+  CHECK(outcome.output.find("A motion of 20 s for all base parameters.") == 0);
+  CHECK(test::listing(folder.path()).contains("plan/reference.toml"));
+}
+
+TEST_CASE("--help has the options of a plan") {
+  const test::Outcome whole = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--help"});
+  CHECK(whole.exit_status == 0);
+  CHECK(whole.output.find("--torque-limit") != std::string::npos);
+  const test::Outcome plan = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--plan", "--help"});
+  CHECK(plan.exit_status == 0);
+  CHECK(plan.output.find("--torque-limit") != std::string::npos);
+  CHECK(plan.output.find("--holdout") == std::string::npos);
+}

@@ -1,0 +1,87 @@
+#include "tools/diagnose/plan/information.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "planned_knee.hpp"
+
+using namespace patella;
+using namespace patella::diagnose;
+
+namespace {
+
+SampledMotion swing(double amplitude_rad) {
+  constexpr double kOmega = 3.0;
+  SampledMotion motion{.step_s = 0.01,
+                       .q = Eigen::MatrixXd(1200, 1),
+                       .dq = Eigen::MatrixXd(1200, 1),
+                       .ddq = Eigen::MatrixXd(1200, 1)};
+  for (Eigen::Index i = 0; i < motion.q.rows(); ++i) {
+    const double angle = kOmega * motion.step_s * static_cast<double>(i);
+    motion.q(i, 0) = -1.57 + amplitude_rad * std::sin(angle);
+    motion.dq(i, 0) = amplitude_rad * kOmega * std::cos(angle);
+    motion.ddq(i, 0) = -amplitude_rad * kOmega * kOmega * std::sin(angle);
+  }
+  return motion;
+}
+
+Revealed revealedOf(const std::string& effect, const SampledMotion& motion, double noise_Nm,
+                    double structure_Nm = 0.0) {
+  PlanRequest request = test::kneeRequest();
+  request.effects = {effect};
+  request.noise = {{.noise_Nm = noise_Nm, .structure_Nm = structure_Nm}};
+  const std::vector<Revealed> all = revealedBy(request, motion);
+  REQUIRE(all.size() == 1);
+  return all.front();
+}
+
+}  // namespace
+
+TEST_CASE("the smallest viscous friction is that of its information beside the model") {
+  // Velocity is across everything that the model of a knee has, so that I = Σ dq² / σ², 12 times a second.
+  const SampledMotion motion = swing(0.5);
+  const double rows = 12.0 * 12.0;
+  const double information = rows * motion.dq.squaredNorm() / 1200.0 / 0.01;
+  const double threshold = 10.0 + std::log(rows);
+  const Revealed viscous = revealedOf("viscous_friction", motion, 0.1);
+  CHECK(viscous.parameter == "coefficient_Nms_rad");
+  CHECK(viscous.smallest_size ==
+        doctest::Approx((std::sqrt(threshold) + 0.84) / std::sqrt(information)).epsilon(0.01));
+}
+
+TEST_CASE("sizes grow with the noise, and shrink with the motion") {
+  CHECK(revealedOf("viscous_friction", swing(0.5), 0.2).smallest_size ==
+        doctest::Approx(2.0 * revealedOf("viscous_friction", swing(0.5), 0.1).smallest_size).epsilon(1e-6));
+  CHECK(revealedOf("viscous_friction", swing(1.0), 0.1).smallest_size ==
+        doctest::Approx(0.5 * revealedOf("viscous_friction", swing(0.5), 0.1).smallest_size).epsilon(1e-3));
+}
+
+TEST_CASE("what nothing explains has to be outweighed") {
+  const Revealed quiet = revealedOf("coulomb_friction", swing(0.5), 0.1);
+  const Revealed loud = revealedOf("coulomb_friction", swing(0.5), 0.1, 1.0);
+  CHECK(loud.torque_rms_Nm > 1.5);
+  CHECK(loud.torque_rms_Nm > 10.0 * quiet.torque_rms_Nm);
+}
+
+TEST_CASE("a rotor on one joint shows beyond the tolerance of its inertia only") {
+  // What is asked of it is more than the tolerance, which any motion leaves.
+  CHECK(revealedOf("rotor_inertia", swing(0.5), 1e-4).smallest_size > 0.1 * 0.35);
+}
+
+TEST_CASE("effects are named by kind and joint") {
+  PlanRequest request = test::kneeRequest();
+  const MotionLimits limits = usableLimits(request.limits, 1);
+  const auto named = [&](std::vector<std::string> names) {
+    return plannedEffects(names, request.model, limits, 12.0);
+  };
+  CHECK(named({"coulomb_friction@1", "coulomb_friction"}).size() == 1);
+  CHECK(named({"all"}).size() > 10);
+  CHECK_THROWS_WITH_AS(named({"coulomb_friction@2"}),
+                       "--effects: value 'coulomb_friction@2', expected a joint from 1 to 1 after '@'",
+                       std::invalid_argument);
+  CHECK_THROWS_AS(named({"coulomb_fricton"}), std::invalid_argument);
+  CHECK_THROWS_AS(named({"emg_torque"}), std::invalid_argument);
+  CHECK_THROWS_AS(named({"backlash@1"}), std::invalid_argument);
+}

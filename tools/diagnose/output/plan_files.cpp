@@ -1,0 +1,202 @@
+#include "tools/diagnose/output/plan_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware_app/files/wording.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/verdict/power.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kPercent = 100.0;
+/// Digits of what was rounded to five decimals, frequencies to four.
+constexpr int kDecimals = 5;
+
+const control::MultisineMotion& wavesOf(const MotionPlan& plan, int joint) {
+  return std::get<control::MultisineMotion>(plan.motion.reference.motion[static_cast<std::size_t>(joint)]);
+}
+
+Units unitsOf(const PlanRequest& request) {
+  return std::holds_alternative<model::PrismaticJointParameters>(request.model.mechanism)
+             ? Units{.position = "m", .torque = "N"}
+             : Units{};
+}
+
+std::string decimals(double value) {
+  std::string text = fmt::format("{:.{}f}", value, kDecimals);
+  text.erase(text.find_last_not_of('0') + 1);
+  return text.ends_with('.') ? text + "0" : text;
+}
+
+template <typename Get>
+std::string listed(const control::MultisineMotion& waves, Get&& get) {
+  std::vector<std::string> numbers;
+  for (const control::SineComponent& component : waves.components) {
+    numbers.push_back(decimals(get(component)));
+  }
+  return fmt::format("[{}]", fmt::join(numbers, ", "));
+}
+
+std::string askedFor(const MotionPlan& plan, const PlanRequest& request) {
+  std::string text = plan.parameters ? "all base parameters" : "";
+  if (plan.revealed.empty()) {
+    return text;
+  }
+  return text + (text.empty() ? "" : " and ") +
+         (plan.parameters ? "every effect of the library"
+                          : fmt::format("{}", fmt::join(request.effects, ", ")));
+}
+
+Json described(const Revealed& revealed) {
+  Json parameters = Json::object();
+  for (std::size_t p = 0; p < revealed.parameters.size(); ++p) {
+    parameters[std::string(model::findEffect(revealed.kind)->parameters[p].name)] = revealed.parameters[p];
+  }
+  return {{"effect", revealed.kind},
+          {"joint", revealed.joint + 1},
+          {"parameter", revealed.parameter},
+          {"smallest_size", revealed.smallest_size},
+          {"parameters", parameters},
+          {"torque_rms", revealed.torque_rms_Nm},
+          {"share_of_torque", revealed.share_of_torque}};
+}
+
+Json describedAll(const std::vector<Revealed>& all) {
+  Json out = Json::array();
+  for (const Revealed& revealed : all) {
+    out.push_back(described(revealed));
+  }
+  return out;
+}
+
+void printSizes(const std::vector<Revealed>& all, const Units& units, std::ostream& out) {
+  for (const Revealed& revealed : all) {
+    out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", effectWords(revealed.kind), revealed.joint + 1,
+                       sizeWords(revealed, units),
+                       std::isfinite(revealed.share_of_torque)
+                           ? shortNumber(kPercent * revealed.share_of_torque) + " %"
+                           : "–");
+  }
+}
+
+}  // namespace
+
+std::string planReference(const MotionPlan& plan, const PlanRequest& request, const PlanOrigin& origin) {
+  const int joints = request.model.joints();
+  std::string text = fmt::format(
+      "# A motion that patella-diagnose {} planned so that a recording of it tells\n#   {}\n"
+      "# Run it by patella run --reference for {} s from activation on, from the pose ({}) rad.\n"
+      "# It takes {:.0f} % of the range, {:.0f} % of the speed and {:.0f} % of the torque that a plan may "
+      "take\n"
+      "# of the limits {}: {:.0f} % of the torque, {:.0f} % of the speed, and the range less its margins.\n",
+      PATELLA_VERSION, askedFor(plan, request), app::formatNumber(request.timing.duration_s),
+      [&] {
+        std::vector<std::string> start;
+        for (int j = 0; j < joints; ++j) {
+          start.push_back(decimals(request.start_rad[j]));
+        }
+        return fmt::format("{}", fmt::join(start, ", "));
+      }(),
+      kPercent * plan.motion.use.position, kPercent * plan.motion.use.speed,
+      kPercent * plan.motion.use.torque, origin.limits, kPercent * kTorqueShare, kPercent * kSpeedShare);
+  for (const InputFile& input : origin.inputs) {
+    text += fmt::format("#   {} (SHA-256 {})\n", input.path, input.sha256);
+  }
+  text += fmt::format("# Seed {}.\nblend_s = {}\n", request.design.seed,
+                      app::formatNumber(plan.motion.reference.blend_s));
+  for (int j = 0; j < joints; ++j) {
+    const control::MultisineMotion& waves = wavesOf(plan, j);
+    text += fmt::format(
+        "\n[[joint]]\nmotion = \"multisine\"\noffset_rad = {}\nfrequency_Hz = {}\namplitude_rad = "
+        "{}\nphase_rad = {}\n",
+        decimals(waves.offset_rad), listed(waves, [](const auto& wave) { return wave.frequency_Hz; }),
+        listed(waves, [](const auto& wave) { return wave.amplitude_rad; }),
+        listed(waves, [](const auto& wave) { return wave.phase_rad; }));
+  }
+  return text;
+}
+
+std::string planJson(const MotionPlan& plan, const PlanRequest& request, const PlanOrigin& origin) {
+  Json out;
+  out["asked_for"] = {{"parameters", plan.parameters}, {"effects", request.effects}};
+  out["criterion"] = {{"log_determinant", plan.motion.log_determinant},
+                      {"of_first_motion", plan.motion.first_log_determinant},
+                      {"evaluations", request.design.evaluations},
+                      {"seed", request.design.seed}};
+  out["duration_s"] = request.timing.duration_s;
+  out["blend_s"] = plan.motion.reference.blend_s;
+  out["joints"] = Json::array();
+  for (int j = 0; j < request.model.joints(); ++j) {
+    const auto index = static_cast<std::size_t>(j);
+    const safety::JointLimits& limit = request.limits.joint[index];
+    const control::MultisineMotion& waves = wavesOf(plan, j);
+    Json motion = {{"offset_rad", waves.offset_rad},
+                   {"frequency_Hz", Json::array()},
+                   {"amplitude_rad", Json::array()},
+                   {"phase_rad", Json::array()}};
+    for (const control::SineComponent& wave : waves.components) {
+      motion["frequency_Hz"].push_back(wave.frequency_Hz);
+      motion["amplitude_rad"].push_back(wave.amplitude_rad);
+      motion["phase_rad"].push_back(wave.phase_rad);
+    }
+    out["joints"].push_back({{"start_rad", request.start_rad[j]},
+                             {"motion", motion},
+                             {"limits",
+                              {{"q_min_rad", limit.q_min_rad},
+                               {"q_max_rad", limit.q_max_rad},
+                               {"velocity_rad_s", limit.velocity_rad_s},
+                               {"torque_Nm", limit.torque_Nm}}},
+                             {"noise_Nm", request.noise[index].noise_Nm},
+                             {"beyond_noise_Nm", request.noise[index].structure_Nm}});
+  }
+  out["use_of_limits"] = {{"position", plan.motion.use.position},
+                          {"speed", plan.motion.use.speed},
+                          {"torque", plan.motion.use.torque},
+                          {"reach", plan.motion.use.reach}};
+  out["revealed"] = describedAll(plan.revealed);
+  out["also_revealed"] = describedAll(plan.others);
+  out["inputs"] = Json::array();
+  for (const InputFile& input : origin.inputs) {
+    out["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
+  }
+  out["versions"] = {{"patella", PATELLA_VERSION}};
+  return out.dump(2) + "\n";
+}
+
+void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::filesystem::path& folder,
+               std::ostream& out) {
+  out << fmt::format(
+      "A motion of {} s for {}.\n"
+      "  it takes {:.0f} % of the range, {:.0f} % of the speed and {:.0f} % of the torque that a plan may "
+      "take\n"
+      "  four in five recordings of it would reveal, against noise of {} {}:\n",
+      app::formatNumber(request.timing.duration_s), askedFor(plan, request),
+      kPercent * plan.motion.use.position, kPercent * plan.motion.use.speed,
+      kPercent * plan.motion.use.torque,
+      [&] {
+        std::vector<std::string> noise;
+        for (const NoiseOfJoint& joint : request.noise) {
+          noise.push_back(fmt::format("{:.2g}", std::hypot(joint.noise_Nm, joint.structure_Nm)));
+        }
+        return fmt::format("{}", fmt::join(noise, " and "));
+      }(),
+      unitsOf(request).torque);
+  out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", "effect", "joint", "from", "of torque");
+  printSizes(plan.revealed, unitsOf(request), out);
+  if (!plan.others.empty()) {
+    out << (plan.revealed.empty() ? "" : "  and, without having been asked for:\n");
+    printSizes(plan.others, unitsOf(request), out);
+  }
+  out << "  files in " << folder.string() << ": reference.toml, plan.json, plan.html\n";
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/diagnose/output/plan_files.hpp"
+#include "tools/diagnose/output/power_figures.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/report/gnuplot.hpp"
+#include "tools/report/html.hpp"
+#include "tools/report/palette.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using report::Figure;
+
+/// Instants of a curve: more than a picture has columns.
+constexpr Eigen::Index kMostPoints = 1500;
+
+struct Quantity {
+  const char* title;
+  const char* label;
+  const Eigen::MatrixXd& values;
+  double low, high;
+};
+
+Figure figureOf(const Quantity& quantity, int joint, double step_s) {
+  Figure figure;
+  figure.section = fmt::format("Joint {}", joint + 1);
+  figure.title = fmt::format("Joint {}: {}", joint + 1, quantity.title);
+  figure.y_label = quantity.label;
+  figure.zoom = true;
+  report::Series series{.label = "reference", .colour = report::colour::kBlue, .x = {}, .y = {}};
+  const Eigen::Index every = std::max<Eigen::Index>(1, quantity.values.rows() / kMostPoints);
+  for (Eigen::Index i = 0; i < quantity.values.rows(); i += every) {
+    series.x.push_back(static_cast<double>(i) * step_s);
+    series.y.push_back(quantity.values(i, joint));
+  }
+  figure.series.push_back(std::move(series));
+  // A limit that the motion stays far away from is said, as it would press the curve flat.
+  constexpr double kNear = 0.25;
+  const double lowest = quantity.values.col(joint).minCoeff(),
+               highest = quantity.values.col(joint).maxCoeff();
+  const double near = kNear * (highest - lowest);
+  for (const auto& [limit, away] :
+       {std::pair(quantity.low, lowest - quantity.low), std::pair(quantity.high, quantity.high - highest)}) {
+    if (away < near) {
+      figure.levels.push_back({.value = limit, .label = "limit"});
+    }
+  }
+  figure.title += fmt::format(", allowed {} to {}", shortNumber(quantity.low), shortNumber(quantity.high));
+  return figure;
+}
+
+Eigen::MatrixXd torqueOf(const MotionPlan& plan, const PlanRequest& request) {
+  const SampledMotion& motion = plan.motion.sampled;
+  TorqueAlong along(request.model);
+  Eigen::MatrixXd torque_Nm(motion.q.rows(), motion.q.cols());
+  for (Eigen::Index i = 0; i < motion.q.rows(); ++i) {
+    torque_Nm.row(i) = along
+                           .at(motion.q.row(i).transpose(), motion.dq.row(i).transpose(),
+                               motion.ddq.row(i).transpose(), static_cast<double>(i) * motion.step_s, i == 0)
+                           .transpose();
+  }
+  return torque_Nm;
+}
+
+}  // namespace
+
+std::string planPage(const MotionPlan& plan, const PlanRequest& request) {
+  const bool linear = std::holds_alternative<model::PrismaticJointParameters>(request.model.mechanism);
+  const SampledMotion& motion = plan.motion.sampled;
+  const Eigen::MatrixXd torque_Nm = torqueOf(plan, request);
+  std::vector<Figure> figures;
+  for (int j = 0; j < request.model.joints(); ++j) {
+    const safety::JointLimits& limit = request.limits.joint[static_cast<std::size_t>(j)];
+    const std::vector<Quantity> quantities{
+        {"position", linear ? "m" : "rad", motion.q, limit.q_min_rad, limit.q_max_rad},
+        {"speed", linear ? "m/s" : "rad/s", motion.dq, -limit.velocity_rad_s, limit.velocity_rad_s},
+        {"torque that the model needs", linear ? "N" : "N·m", torque_Nm, -limit.torque_Nm, limit.torque_Nm}};
+    for (const Quantity& quantity : quantities) {
+      figures.push_back(figureOf(quantity, j, motion.step_s));
+    }
+  }
+  // The picture that a diagnosis has of what its recording would have revealed.
+  Diagnosis powers;
+  powers.torque_unit = linear ? "N" : "N·m";
+  powers.rests.resize(static_cast<std::size_t>(request.model.joints()));
+  powers.revealed = plan.revealed;
+  powers.revealed.insert(powers.revealed.end(), plan.others.begin(), plan.others.end());
+  for (Figure& figure : powerFigures(powers)) {
+    figure.section = "What a recording of this motion would reveal";
+    figures.push_back(std::move(figure));
+  }
+  const std::vector<std::string> pictures = report::drawSvg(figures);
+  return report::pageAround("Planned motion",
+                            "<h1>Planned motion</h1>\n" + report::figureSections(figures, pictures));
+}
+
+}  // namespace patella::diagnose

@@ -1,0 +1,197 @@
+#include "tools/diagnose/plan/motion_design.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+namespace patella::diagnose {
+namespace {
+
+/// A tenth of the evaluations looks for starts; the best of them share six tenths, and the best of those
+/// goes on with the rest.
+constexpr double kLooking = 0.1;
+constexpr double kClimbing = 0.6;
+constexpr int kClimbed = 4;
+/// Steps of an evolution strategy: larger after a success, smaller after a failure, so that one in five
+/// succeeds (Rechenberg 1973; Kern et al. 2004, Natural Computing 3, 77–112).
+constexpr double kFirstStep = 0.3;
+constexpr double kGrowth = 1.5;
+constexpr double kSmallestStep = 1e-3;
+/// One in two steps moves one joint only.
+constexpr double kWholeSteps = 0.5;
+/// Written digits of amplitudes, offsets and phases.
+constexpr double kResolution = 1e-5;
+/// A motion that rounding puts over a limit is made smaller by as much.
+constexpr double kShrink = 0.99;
+constexpr int kMostShrinks = 60;
+
+// The standard fixes its generators, but not its distributions.
+class Normal {
+ public:
+  explicit Normal(std::uint64_t seed) : generator_(seed) {}
+  double uniform() { return static_cast<double>(generator_() >> 11U) * 0x1p-53; }
+  double operator()() {
+    return std::sqrt(-2.0 * std::log(1.0 - uniform())) * std::cos(2.0 * std::numbers::pi * uniform());
+  }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+struct Climber {
+  Eigen::VectorXd point;
+  double value = -std::numeric_limits<double>::infinity();
+  double step = kFirstStep;
+};
+
+class Search {
+ public:
+  Search(MotionFamily& family, Information& information, const DesignOptions& options)
+      : family_(family), information_(information), options_(options), normal_(options.seed) {}
+
+  Climber best() {
+    const auto count = [&](double share) {
+      return std::max(1, static_cast<int>(share * options_.evaluations));
+    };
+    std::vector<Climber> climbers;
+    for (int i = 0; i < std::max(kClimbed, count(kLooking)); ++i) {
+      climbers.push_back(drawn());
+    }
+    std::stable_sort(climbers.begin(), climbers.end(),
+                     [](const Climber& a, const Climber& b) { return a.value > b.value; });
+    climbers.resize(kClimbed);
+    if (!std::isfinite(climbers.front().value)) {
+      throw std::runtime_error(
+          "no motion was found within the limits: of the motions that were tried, each asks for more torque, "
+          "speed or room of the end point than is allowed. Give more of them, a longer blend, or another "
+          "start");
+    }
+    for (Climber& climber : climbers) {
+      climb(climber, count(kClimbing) / kClimbed);
+    }
+    auto highest = std::max_element(climbers.begin(), climbers.end(),
+                                    [](const Climber& a, const Climber& b) { return a.value < b.value; });
+    climb(*highest, options_.evaluations - used_);
+    return *highest;
+  }
+
+  double first() const noexcept { return first_; }
+
+ private:
+  double valueOf(const Eigen::VectorXd& point) {
+    ++used_;
+    if (options_.progress) {
+      options_.progress(static_cast<double>(used_) / options_.evaluations);
+    }
+    const auto motion = family_.at(point);
+    if (!motion) {
+      return -std::numeric_limits<double>::infinity();
+    }
+    const double value = information_.logDeterminant(family_.sampled(*motion));
+    first_ = std::isnan(first_) ? value : first_;
+    return value;
+  }
+
+  // Only proportions of amplitudes count: without a scale, steps keep their meaning.
+  void normalise(Eigen::VectorXd& point) const {
+    for (int j = 0; j < family_.joints(); ++j) {
+      const Eigen::Index first = j * family_.numbersOfJoint();
+      point[first] = std::clamp(point[first], -1.0, 1.0);
+      point[first + 1] = std::clamp(point[first + 1], 0.0, 1.0);
+      auto amplitudes = point.segment(family_.firstAmplitude(j), family_.numbersOfJoint() - 2);
+      amplitudes /= std::max(amplitudes.norm(), 1e-12);
+    }
+  }
+
+  Climber drawn() {
+    Climber climber{.point = Eigen::VectorXd(family_.dimensions())};
+    for (int j = 0; j < family_.joints(); ++j) {
+      const Eigen::Index first = j * family_.numbersOfJoint();
+      climber.point[first] = 2.0 * normal_.uniform() - 1.0;
+      climber.point[first + 1] = 1.0;
+      const Eigen::Index harmonics = (family_.numbersOfJoint() - 2) / 2;
+      for (Eigen::Index k = 0; k < 2 * harmonics; ++k) {
+        // Fast parts of large amplitude would take all of the speed.
+        climber.point[family_.firstAmplitude(j) + k] = normal_() / static_cast<double>(1 + k % harmonics);
+      }
+    }
+    normalise(climber.point);
+    climber.value = valueOf(climber.point);
+    return climber;
+  }
+
+  void climb(Climber& climber, int evaluations) {
+    for (int i = 0; i < evaluations && used_ < options_.evaluations; ++i) {
+      Eigen::VectorXd point = climber.point;
+      const bool whole = normal_.uniform() < kWholeSteps;
+      const int joint = static_cast<int>(normal_.uniform() * family_.joints());
+      const double size = climber.step / std::sqrt(static_cast<double>(family_.numbersOfJoint()));
+      for (Eigen::Index k = 0; k < point.size(); ++k) {
+        const double away = normal_();
+        point[k] += whole || k / family_.numbersOfJoint() == joint ? size * away : 0.0;
+      }
+      normalise(point);
+      const double value = valueOf(point);
+      if (value > climber.value) {
+        climber.point = point;
+        climber.value = value;
+        climber.step *= kGrowth;
+      } else {
+        climber.step = std::max(kSmallestStep, climber.step * std::pow(kGrowth, -0.25));
+      }
+    }
+  }
+
+  MotionFamily& family_;
+  Information& information_;
+  const DesignOptions& options_;
+  Normal normal_;
+  int used_ = 0;
+  double first_ = std::nan("");
+};
+
+double rounded(double value) {
+  return std::round(value / kResolution) * kResolution;
+}
+
+control::ReferenceSettings rounded(control::ReferenceSettings reference, int joints) {
+  for (int j = 0; j < joints; ++j) {
+    auto& waves = std::get<control::MultisineMotion>(reference.motion[static_cast<std::size_t>(j)]);
+    waves.offset_rad = rounded(waves.offset_rad);
+    for (control::SineComponent& component : waves.components) {
+      component.amplitude_rad = rounded(component.amplitude_rad);
+      component.phase_rad = rounded(component.phase_rad);
+    }
+  }
+  return reference;
+}
+
+}  // namespace
+
+DesignedMotion designMotion(MotionFamily& family, Information& information, const JointVector& start_rad,
+                            const MotionLimits& limits, const std::optional<Reach>& reach,
+                            TorqueAlong& torque, double duration_s, const DesignOptions& options) {
+  Search search(family, information, options);
+  const Climber best = search.best();
+  FourierMotion motion = family.at(best.point).value();
+  DesignedMotion designed;
+  designed.first_log_determinant = search.first();
+  for (int shrink = 0; shrink <= kMostShrinks; ++shrink) {
+    designed.reference = rounded(family.reference(motion), family.joints());
+    designed.use =
+        limitUse(designed.reference, start_rad, limits, reach, torque, duration_s, options.rate_Hz);
+    if (designed.use.kept()) {
+      designed.sampled = family.sampled(motion);
+      designed.log_determinant = information.logDeterminant(designed.sampled);
+      return designed;
+    }
+    motion.amplitude_rad *= kShrink;
+  }
+  throw std::runtime_error("the motion that was found does not fit the limits between two ticks of the loop");
+}
+
+}  // namespace patella::diagnose
