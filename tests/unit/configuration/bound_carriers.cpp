@@ -396,7 +396,7 @@ void load(FileKind kind, const std::string& text, const std::filesystem::path& f
       break;
     case FileKind::kFaultScript:
       app::writeFile(path, text);
-      app::loadFaultScript(path, app::FaultStage::kInProcess);
+      app::loadFaultScript(path, app::FaultStage::kInProcess, 2);
       break;
     case FileKind::kWeights:
       loadWeights(text, folder);
