@@ -61,6 +61,11 @@ can::Frame OutgoingMessage::make(std::initializer_list<double> values) noexcept 
 
 RigMessages::RigMessages(const can::Database& database, int joints, bool field_drives)
     : operator_(database, "Operator", {"Enable", "Reset"}) {
+  if (!field_drives && joints > kJointsOfMessage) {
+    throw std::invalid_argument("rig: " + std::to_string(joints) +
+                                " joints, expected a rig.drive_model for each: DriveStatus and TorqueCommand "
+                                "are for two");
+  }
   if (!field_drives || database.find("Emg") != nullptr) {
     emg_.emplace(database, "Emg",
                  std::initializer_list<std::string_view>{"Channel1", "Channel2", "Channel3", "Channel4"});
@@ -70,11 +75,6 @@ RigMessages::RigMessages(const can::Database& database, int joints, bool field_d
   }
   if (field_drives) {
     return;
-  }
-  if (joints > kJointsOfMessage) {
-    throw std::invalid_argument("rig: " + std::to_string(joints) +
-                                " joints, expected a rig.drive_model for each: DriveStatus and TorqueCommand "
-                                "are for two");
   }
   encoders_ = encoderMessages(database, joints);
   drive_status_.emplace(database, "DriveStatus",

@@ -295,6 +295,7 @@ std::vector<WordKey> wordKeys() {
       {"Model: mechanism", "mechanism.tip", "name of a link", "required with `urdf`", "link whose origin is the end point"},
       {"Model: mechanism", "mechanism.link.name", "text", kRequired, "serial_chain: one `[[mechanism.link]]` for each link"},
       {"Model: mechanism", "mechanism.link.joint", "`fixed`, `revolute`, `prismatic`", kRequired, "what carries the link"},
+      {"Model: mechanism", "mechanism.chain", "tables with `urdf`, `base` and `tip`, or `link`", "none", "serial_chain: one `[[mechanism.chain]]` for each of several chains on one base ([chains.md](chains.md#several-chains-on-one-base))"},
       {"Model: mechanism", "effect.kind", "a kind of [effects.md](effects.md)", kRequired, "one `[[effect]]` for each effect"},
       {"Model: mechanism", "effect.joint", "from 1", kRequired, "joint on which it acts"},
       {"Script of faults", "fault.kind", "a kind of [safety.md](safety.md#fault-injection-and-the-campaign)", kRequired, "one `[[fault]]` for each fault"},
