@@ -1,6 +1,6 @@
 // The leg from the side: angle of the first joint from the horizontal, the second relative to it; hanging is (-90°, 0).
 class Leg {
-  /** What has more joints is no leg, and which of them carries which the run does not tell. */
+  /** What has more joints is no leg, and the run does not tell which of them carries which. */
   static shows(history) {
     return !history.indexOf.has("q3_rad");
   }
