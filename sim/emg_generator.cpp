@@ -69,7 +69,7 @@ double burst(const EmgChannelOptions& o, double time_s) noexcept {
 
 EmgOptions scheduledEmg(double period_s) {
   EmgOptions options;
-  // Extensors and flexors half a period apart; the knee follows the hip by an eighth.
+  // Agonist and antagonist half a period apart; the second pair follows the first by an eighth.
   for (const double phase : {0.0, 0.5, 0.125, 0.625}) {
     EmgChannelOptions channel;
     channel.period_s = period_s;

@@ -39,9 +39,10 @@ struct EmgOptions {
   double range_mV = 1.5;  ///< the amplifier clips here
 };
 
-/// Hip extensor/flexor and knee extensor/flexor as agonist and antagonist in turn.
+/// Two pairs of agonist and antagonist in turn, such as extensor and flexor of hip and of knee.
 EmgOptions scheduledEmg(double period_s = 2.0);
-/// The same four muscles, driven by the motion itself.
+/// The same four muscles, driven by the motion itself: the first pair by that of joint 1, the other by joint
+/// 2's.
 EmgOptions movementEmg();
 /// Bursts for the paper's open-loop experiments, which give no signal, only bounds of f_u: with paperTorque()
 /// the torque has rms 0.59 and 0.28 N·m and peaks 1.45 and 0.70 N·m, and swings the leg enough for those

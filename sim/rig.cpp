@@ -232,8 +232,8 @@ void Rig::sample() noexcept {
     send(messages_.emg(emg_mV), FrameChannel::kEmg);
   }
   const JointVector unknown = plant_.takeMeanUnknownDynamics();
-  if (publish_truth_ && messages_.hasTruth()) {
-    send(messages_.truth(unknown), FrameChannel::kTruth);
+  for (std::size_t i = 0; publish_truth_ && i < messages_.truthFrames(); ++i) {
+    send(messages_.truth(i, unknown), FrameChannel::kTruth);
   }
   if (statistics_.samples % samples_per_operator_frame_ == 0) {
     send(messages_.operatorButtons(time_s >= operator_.enable_at_s, resetPressed(time_s)),

@@ -1,12 +1,16 @@
 #include "sim/rig_messages.hpp"
 
+#include <stdexcept>
 #include <string>
 
 namespace patella::sim {
 namespace {
 
-double second(const JointVector& v) noexcept {
-  return v.size() > 1 ? v(1) : 0.0;
+/// Of what a message of two joints carries.
+constexpr int kJointsOfMessage = 2;
+
+double ofJoint(const JointVector& v, Eigen::Index joint) noexcept {
+  return joint < v.size() ? v(joint) : 0.0;
 }
 
 can::Protection protectionOf(const can::Message& message) {
@@ -21,6 +25,16 @@ std::vector<OutgoingMessage> encoderMessages(const can::Database& database, int 
   for (int joint = 1; joint <= joints; ++joint) {
     messages.emplace_back(database, "Encoder" + std::to_string(joint),
                           std::initializer_list<std::string_view>{"Position", "Velocity"});
+  }
+  return messages;
+}
+
+std::vector<OutgoingMessage> truthMessages(const can::Database& database, int joints) {
+  std::vector<OutgoingMessage> messages;
+  for (int first = 1; first <= joints; first += kJointsOfMessage) {
+    const std::string name = first == 1 ? "Truth" : "Truth" + std::to_string(first / kJointsOfMessage + 1);
+    const std::string signals[] = {"Fu" + std::to_string(first), "Fu" + std::to_string(first + 1)};
+    messages.emplace_back(database, name, std::initializer_list<std::string_view>{signals[0], signals[1]});
   }
   return messages;
 }
@@ -47,12 +61,17 @@ can::Frame OutgoingMessage::make(std::initializer_list<double> values) noexcept 
 
 RigMessages::RigMessages(const can::Database& database, int joints, bool field_drives)
     : operator_(database, "Operator", {"Enable", "Reset"}) {
+  if (!field_drives && joints > kJointsOfMessage) {
+    throw std::invalid_argument("rig: " + std::to_string(joints) +
+                                " joints, expected a rig.drive_model for each: DriveStatus and TorqueCommand "
+                                "are for two");
+  }
   if (!field_drives || database.find("Emg") != nullptr) {
     emg_.emplace(database, "Emg",
                  std::initializer_list<std::string_view>{"Channel1", "Channel2", "Channel3", "Channel4"});
   }
   if (!field_drives || database.find("Truth") != nullptr) {
-    truth_.emplace(database, "Truth", std::initializer_list<std::string_view>{"Fu1", "Fu2"});
+    truth_ = truthMessages(database, joints);
   }
   if (field_drives) {
     return;
@@ -76,15 +95,16 @@ can::Frame RigMessages::encoder(std::size_t joint, double position_rad,
 can::Frame RigMessages::driveStatus(const JointVector& torque_Nm, bool enabled,
                                     DriveFault fault) noexcept PATELLA_NONBLOCKING {
   return drive_status_->make(
-      {torque_Nm(0), second(torque_Nm), enabled ? 1.0 : 0.0, static_cast<double>(fault)});
+      {torque_Nm(0), ofJoint(torque_Nm, 1), enabled ? 1.0 : 0.0, static_cast<double>(fault)});
 }
 
 can::Frame RigMessages::emg(const EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING {
   return emg_->make({signal_mV[0], signal_mV[1], signal_mV[2], signal_mV[3]});
 }
 
-can::Frame RigMessages::truth(const JointVector& f_u_rad_s2) noexcept PATELLA_NONBLOCKING {
-  return truth_->make({f_u_rad_s2(0), second(f_u_rad_s2)});
+can::Frame RigMessages::truth(std::size_t index, const JointVector& f_u_rad_s2) noexcept PATELLA_NONBLOCKING {
+  const auto first = static_cast<Eigen::Index>(index) * kJointsOfMessage;
+  return truth_[index].make({ofJoint(f_u_rad_s2, first), ofJoint(f_u_rad_s2, first + 1)});
 }
 
 can::Frame RigMessages::operatorButtons(bool enable, bool reset) noexcept PATELLA_NONBLOCKING {
@@ -107,7 +127,10 @@ void RigMessages::restart() noexcept {
   for (OutgoingMessage& encoder : encoders_) {
     encoder.restart();
   }
-  for (std::optional<OutgoingMessage>* message : {&drive_status_, &emg_, &truth_}) {
+  for (OutgoingMessage& truth : truth_) {
+    truth.restart();
+  }
+  for (std::optional<OutgoingMessage>* message : {&drive_status_, &emg_}) {
     if (*message) {
       (*message)->restart();
     }

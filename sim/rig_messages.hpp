@@ -34,9 +34,11 @@ class OutgoingMessage {
 
 class RigMessages {
  public:
-  /// For 1 or 2 joints; a single joint has Encoder1 and leaves the second torque and f_u at zero. With drives
-  /// that are nodes of their own, these send positions and obey commands, and of the rig's own messages the
-  /// operator's alone has to be there.
+  /// The rig's own messages carry 1 or 2 joints; a single joint has Encoder1 and leaves the second torque and
+  /// f_u at zero. With drives that are nodes of their own, these send positions and obey commands, of any
+  /// number of joints, and of the rig's own messages the operator's alone has to be there. Truth has f_u of
+  /// joints 1 and 2, Truth2 of 3 and 4, and so on. Throws std::invalid_argument for more joints without such
+  /// drives, and where a message or signal is missing.
   RigMessages(const can::Database& database, int joints, bool field_drives);
 
   can::Frame encoder(std::size_t joint, double position_rad,
@@ -44,11 +46,12 @@ class RigMessages {
   can::Frame driveStatus(const JointVector& torque_Nm, bool enabled,
                          DriveFault fault) noexcept PATELLA_NONBLOCKING;
   can::Frame emg(const EmgArray& signal_mV) noexcept PATELLA_NONBLOCKING;
-  can::Frame truth(const JointVector& f_u_rad_s2) noexcept PATELLA_NONBLOCKING;
+  /// That of one of truthFrames().
+  can::Frame truth(std::size_t index, const JointVector& f_u_rad_s2) noexcept PATELLA_NONBLOCKING;
   can::Frame operatorButtons(bool enable, bool reset) noexcept PATELLA_NONBLOCKING;
 
   bool hasEmg() const noexcept { return emg_.has_value(); }
-  bool hasTruth() const noexcept { return truth_.has_value(); }
+  std::size_t truthFrames() const noexcept { return truth_.size(); }
   bool isCommand(const can::Frame& frame) const noexcept PATELLA_NONBLOCKING {
     return command_ && command_->matches(frame);
   }
@@ -64,7 +67,7 @@ class RigMessages {
   std::vector<OutgoingMessage> encoders_;
   std::optional<OutgoingMessage> drive_status_;
   std::optional<OutgoingMessage> emg_;
-  std::optional<OutgoingMessage> truth_;
+  std::vector<OutgoingMessage> truth_;
   OutgoingMessage operator_;
   std::optional<can::MessageDecoder> command_;
   std::vector<std::size_t> command_torques_;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/bounds/bound.hpp"
+#include "core/types.hpp"
 
 namespace patella::bounds {
 
@@ -36,7 +37,7 @@ inline constexpr std::array kBusMap{
     rehearsed(number("canopen.heartbeat_timeout_s", "s", 0.002, 0.05, "a drive without its loop goes on so long; two periods at least"), 1.0),
     number("canopen.node_heartbeat_period_s", "s", 0.001, 0.05, "as above; SYNC asks for positions in any case"),
     rehearsed(number("canopen.node_heartbeat_timeout_s", "s", 0.002, 0.1, "positions of a drive that is gone are missed sooner; two periods at least"), 1.0),
-    whole("cia402.joint", "", 1, 2, "the joints that there are"),
+    whole("cia402.joint", "", 1, kMaxJoints, "the most joints that there are"),
     whole("cia402.node", "", 1, 127, "the nodes that CANopen has"),
     number("cia402.rated_torque_Nm", "N·m", 0.0001, 1000, "a motor for a finger; one that drives a hip without a gear"),
     number("cia402.gear", "", 0.1, 1000, "turns of the motor for one of the joint: a motor that drives directly, three stages"),

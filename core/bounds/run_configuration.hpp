@@ -69,6 +69,12 @@ inline constexpr std::array kEmg{
     number("emg.shape", "", -3, 0, "Lloyd and Besier 2003: 0 is linear, -3 strongly curved"),
     number("emg.gain1_Nm", "N·m", -150, 150, "the highest torque allowed (safety.torque_Nm)"),
     number("emg.gain2_Nm", "N·m", -150, 150, "as above"),
+    number("emg.gain3_Nm", "N·m", -150, 150, "as above"),
+    number("emg.gain4_Nm", "N·m", -150, 150, "as above"),
+    number("emg.gain5_Nm", "N·m", -150, 150, "as above"),
+    number("emg.gain6_Nm", "N·m", -150, 150, "as above"),
+    number("emg.gain7_Nm", "N·m", -150, 150, "as above"),
+    number("emg.gain8_Nm", "N·m", -150, 150, "as above"),
 };
 
 inline constexpr std::array kControl{

@@ -39,6 +39,8 @@ class Mechanism {
   /// Of the space in which points move: 2 in the sagittal plane (x forward, y up), or 3 in the axes of the
   /// base.
   virtual int dimensions() const noexcept { return 2; }
+  /// The joint whose segment carries `joint`; -1 for one on the base.
+  virtual int jointBefore(int joint) const noexcept { return joint - 1; }
   /// I(q), kg·m² (kg for a prismatic joint); symmetric, positive definite.
   virtual JointMatrix inertia(const JointVector& q) const noexcept = 0;
   /// C(q, dq), such that dI/dt − 2C is skew-symmetric.

@@ -22,12 +22,18 @@ std::unique_ptr<Mechanism> mechanismOf(const PrismaticJointParameters& axis) {
 std::unique_ptr<Mechanism> mechanismOf(const SerialChainParameters& chain) {
   return std::make_unique<SerialChain>(chain);
 }
+std::unique_ptr<Mechanism> mechanismOf(const ChainGroupParameters& group) {
+  return std::make_unique<ChainGroup>(group);
+}
 
 }  // namespace
 
 int ModelDescription::joints() const noexcept {
   if (const auto* chain = std::get_if<SerialChainParameters>(&mechanism)) {
     return chain->joints();
+  }
+  if (const auto* group = std::get_if<ChainGroupParameters>(&mechanism)) {
+    return group->joints();
   }
   return std::holds_alternative<PlanarTwoLinkParameters>(mechanism) ? 2 : 1;
 }
@@ -53,6 +59,8 @@ ModelDescription describeModel(const DynamicsModel& dynamics) {
     description.mechanism = axis->parameters();
   } else if (const auto* chain = dynamic_cast<const SerialChain*>(mechanism)) {
     description.mechanism = chain->parameters();
+  } else if (const auto* group = dynamic_cast<const ChainGroup*>(mechanism)) {
+    description.mechanism = group->parameters();
   } else {
     throw std::invalid_argument(
         "this mechanism has no form in model files, expected one of 'planar_two_link', "

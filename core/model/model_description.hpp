@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/model/chain_group.hpp"
 #include "core/model/dynamics_model.hpp"
 #include "core/model/one_dof.hpp"
 #include "core/model/planar_two_link.hpp"
@@ -18,8 +19,15 @@ struct EffectDescription {
   std::vector<double> parameters;  ///< in the order of the kind's descriptor
 };
 
-using MechanismDescription = std::variant<PlanarTwoLinkParameters, RevoluteJointParameters,
-                                          PrismaticJointParameters, SerialChainParameters>;
+using MechanismDescription =
+    std::variant<PlanarTwoLinkParameters, RevoluteJointParameters, PrismaticJointParameters,
+                 SerialChainParameters, ChainGroupParameters>;
+
+/// One chain, or several on one base: what moves in space rather than in the sagittal plane.
+inline bool isSerialChain(const MechanismDescription& mechanism) noexcept {
+  return std::holds_alternative<SerialChainParameters>(mechanism) ||
+         std::holds_alternative<ChainGroupParameters>(mechanism);
+}
 
 struct ModelDescription {
   MechanismDescription mechanism;

@@ -21,8 +21,16 @@ Names kindNames() {
   return names;
 }
 
+Names numbered(const std::string& stem, int count) {
+  Names names;
+  for (int i = 1; i <= count; ++i) {
+    names.push_back(stem + std::to_string(i));
+  }
+  return names;
+}
+
 /// In the order of their numbers.
-Names channelNames(ChannelGroup group) {
+Names channelNames(ChannelGroup group, int joints) {
   Names names;
   switch (group) {
     case ChannelGroup::kFrames:
@@ -31,11 +39,11 @@ Names channelNames(ChannelGroup group) {
       }
       return names;
     case ChannelGroup::kEncoder:
-      return {"encoder1", "encoder2"};
+      return numbered("encoder", joints);
     case ChannelGroup::kEmg:
-      return {"emg1", "emg2", "emg3", "emg4"};
+      return numbered("emg", kMaxEmgChannels);
     case ChannelGroup::kDrive:
-      return {"drive1", "drive2"};
+      return numbered("drive", joints);
     case ChannelGroup::kNone:
       break;
   }
@@ -51,12 +59,12 @@ int indexOf(const Names& names, const std::string& name) {
   return FaultEvent::kAll;
 }
 
-void readChannel(const TomlTable& table, FaultEvent& event) {
+void readChannel(const TomlTable& table, int joints, FaultEvent& event) {
   const ChannelGroup group = sim::channelGroup(event.kind);
   if (group == ChannelGroup::kNone) {
     return;
   }
-  const Names names = channelNames(group);
+  const Names names = channelNames(group, joints);
   Names allowed = names;
   allowed.emplace_back("all");
   event.channel = indexOf(names, table.choice("channel", allowed, "all"));
@@ -158,7 +166,7 @@ void readStage(const TomlTable& table, FaultEvent& event) {
   }
 }
 
-FaultEvent readFault(const TomlTable& table, FaultStage stage, const Names& buses) {
+FaultEvent readFault(const TomlTable& table, FaultStage stage, int joints, const Names& buses) {
   const Names kinds = kindNames();
   FaultEvent event;
   event.kind = static_cast<FaultKind>(indexOf(kinds, table.choice("kind", kinds)));
@@ -172,7 +180,7 @@ FaultEvent readFault(const TomlTable& table, FaultStage stage, const Names& buse
   }
   readCycle(table, event);
   readStage(table, event);
-  readChannel(table, event);
+  readChannel(table, joints, event);
   if (sim::actsOnBus(event.kind) && buses.size() > 1 && table.has("bus")) {
     event.bus = indexOf(buses, table.choice("bus", buses));
   }
@@ -185,12 +193,12 @@ FaultEvent readFault(const TomlTable& table, FaultStage stage, const Names& buse
 
 }  // namespace
 
-std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage,
+std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage, int joints,
                                              const std::vector<std::string>& buses) {
   const TomlDocument document = TomlDocument::load(path);
   std::vector<sim::FaultEvent> events;
   for (const TomlTable& table : document.root().tables("fault")) {
-    events.push_back(readFault(table, stage, buses));
+    events.push_back(readFault(table, stage, joints, buses));
   }
   document.finish();
   if (events.empty()) {

@@ -16,8 +16,9 @@ enum class FaultStage {
   kLoop        ///< the loop on a bus or a log: only what happens to its host
 };
 
-/// Events in the order of the file; they may name one of `buses`. Throws FileError naming file, line and key.
-std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage,
+/// Events in the order of the file; they may name encoders and drives of `joints`, and one of `buses`. Throws
+/// FileError naming file, line and key.
+std::vector<sim::FaultEvent> loadFaultScript(const std::filesystem::path& path, FaultStage stage, int joints,
                                              const std::vector<std::string>& buses = {});
 
 }  // namespace patella::app

@@ -144,18 +144,9 @@ auto located(const std::filesystem::path& path, Make&& make) {
   }
 }
 
-void requireConfiguredJoints(const RunConfig& config) {
-  if (config.model.joints() > kMaxConfiguredJoints) {
-    throw FileError(config.model_path.string() + ": a mechanism of " + std::to_string(config.model.joints()) +
-                    " joints, expected at most " + std::to_string(kMaxConfiguredJoints) +
-                    ": the keys of a run, such as emg.gain1_Nm and emg.gain2_Nm, are for two");
-  }
-}
-
 // A force has the two components of the sagittal plane, and a chain moves in space.
 void requirePlaneForForce(const RunConfig& config) {
-  if (config.observer.kind == ObserverKind::kKalmanForce &&
-      std::holds_alternative<model::SerialChainParameters>(config.model.mechanism)) {
+  if (config.observer.kind == ObserverKind::kKalmanForce && model::isSerialChain(config.model.mechanism)) {
     throw FileError(
         config.path.string() +
         ": key 'estimation.observer': value 'kalman_force' with a serial_chain, expected one of the "
@@ -235,7 +226,6 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.model_path = *command_line.model;
   }
   config.model = loadModel(config.model_path);
-  requireConfiguredJoints(config);
   config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal, busNames(config.buses));
   if (root.has("weights")) {
     config.weights_path = root.path("weights");
@@ -261,7 +251,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
                              : config.backend.kind == BackendKind::kSim ? FaultStage::kInProcess
                                                                         : FaultStage::kLoop;
     config.faults_path = *command_line.faults;
-    config.faults = loadFaultScript(config.faults_path, stage, busNames(config.buses));
+    config.faults = loadFaultScript(config.faults_path, stage, config.model.joints(), busNames(config.buses));
     config.rig.faults = config.faults;
   }
 

@@ -65,10 +65,6 @@ struct CommandLine {
   bool require_rt = false;
 };
 
-/// Joints that a run may have: its configuration has keys of its own for the EMG of each of two, and what
-/// people set for more has not been thought through.
-inline constexpr int kMaxConfiguredJoints = 2;
-
 struct RunConfig {
   std::filesystem::path path;
   std::filesystem::path model_path;

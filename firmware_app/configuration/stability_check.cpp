@@ -1,6 +1,7 @@
 #include "firmware_app/configuration/stability_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,7 +13,11 @@
 namespace patella::app {
 namespace {
 
+/// Up to two joints: a grid. More: the corners of the ranges, where inertias are often least and largest, and
+/// points that fill the rest evenly.
+constexpr int kJointsOfGrid = 2;
 constexpr int kPosesPerJoint = 9;
+constexpr int kFillingPoses = 1000;
 constexpr int kInertias = 7;  ///< from the lowest to the highest
 
 struct InertiaRange {
@@ -24,18 +29,45 @@ struct InertiaRange {
   }
 };
 
+/// Digits of `index` behind the point, in that base: of a prime base for each coordinate, Halton's sequence,
+/// which fills a cube evenly. Halton, On the efficiency of certain quasi-random sequences of points, 1960.
+double radicalInverse(int index, int base) {
+  double value = 0.0;
+  for (double digit = 1.0 / base; index > 0; index /= base, digit /= base) {
+    value += digit * (index % base);
+  }
+  return value;
+}
+
+/// Within each joint's range, 0 at its lower end and 1 at its upper.
+std::vector<JointVector> shares(int joints) {
+  constexpr std::array<int, kMaxJoints> kPrimes{2, 3, 5, 7, 11, 13, 17, 19};
+  const bool grid = joints <= kJointsOfGrid;
+  const int steps = grid ? kPosesPerJoint : 2;
+  const auto regular = static_cast<int>(std::lround(std::pow(steps, joints)));
+  std::vector<JointVector> all;
+  for (int pose = 0; pose < regular + (grid ? 0 : kFillingPoses); ++pose) {
+    JointVector share(joints);
+    for (int joint = 0, rest = pose; joint < joints; ++joint, rest /= steps) {
+      share[joint] = pose < regular
+                         ? static_cast<double>(rest % steps) / (steps - 1)
+                         : radicalInverse(pose - regular + 1, kPrimes[static_cast<std::size_t>(joint)]);
+    }
+    all.push_back(share);
+  }
+  return all;
+}
+
 // With the other joints free, 1/(I⁻¹)ⱼⱼ, and held, Iⱼⱼ: they are something between.
 std::vector<InertiaRange> inertiaRanges(const RunConfig& config) {
   const model::DynamicsModel model = makeModel(config.model);
   const int joints = model.joints();
   std::vector<InertiaRange> ranges(static_cast<std::size_t>(joints));
-  const auto poses = static_cast<int>(std::lround(std::pow(kPosesPerJoint, joints)));
-  for (int pose = 0; pose < poses; ++pose) {
+  for (const JointVector& share : shares(joints)) {
     model::EffectInput state{JointVector::Zero(joints), JointVector::Zero(joints), JointVector::Zero(joints)};
-    for (int joint = 0, rest = pose; joint < joints; ++joint, rest /= kPosesPerJoint) {
+    for (int joint = 0; joint < joints; ++joint) {
       const safety::JointLimits& limits = config.tick.limits.joint[static_cast<std::size_t>(joint)];
-      const double share = static_cast<double>(rest % kPosesPerJoint) / (kPosesPerJoint - 1);
-      state.q[joint] = limits.q_min_rad + share * (limits.q_max_rad - limits.q_min_rad);
+      state.q[joint] = limits.q_min_rad + share[joint] * (limits.q_max_rad - limits.q_min_rad);
     }
     const model::ModelTerms terms = model.evaluate(state);
     for (int joint = 0; joint < joints; ++joint) {

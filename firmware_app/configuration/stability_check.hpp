@@ -9,7 +9,7 @@
 
 namespace patella::app {
 
-/// The least margin of a joint in all poses within its limits, with the other joints free or held, whichever
+/// The least margin of a joint in poses all over the limits, with the other joints free or held, whichever
 /// is worse.
 struct JointStability {
   control::PhaseMargin with_model;        ///< the leg's inertia is the model's

@@ -54,7 +54,9 @@ void readEmg(const TomlTable& table, RunConfig& config) {
   const auto mvc_mV = numbers(table, boundOf("emg.mvc_mV"), channels, mvc);
   const auto rest_mV = numbers(table, boundOf("emg.rest_mV"), channels, zero);
   const auto shape = numbers(table, boundOf("emg.shape"), channels, zero);
-  constexpr std::array<Bound, kMaxConfiguredJoints> kGain{boundOf("emg.gain1_Nm"), boundOf("emg.gain2_Nm")};
+  constexpr std::array<Bound, kMaxJoints> kGain{
+      boundOf("emg.gain1_Nm"), boundOf("emg.gain2_Nm"), boundOf("emg.gain3_Nm"), boundOf("emg.gain4_Nm"),
+      boundOf("emg.gain5_Nm"), boundOf("emg.gain6_Nm"), boundOf("emg.gain7_Nm"), boundOf("emg.gain8_Nm")};
   for (std::size_t i = 0; i < kMaxEmgChannels; ++i) {
     e.channel[i] = {.mvc_mV = mvc_mV[i], .rest_mV = rest_mV[i], .shape = shape[i]};
   }

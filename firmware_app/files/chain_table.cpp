@@ -12,6 +12,7 @@
 namespace patella::app {
 namespace {
 
+using model::ChainGroupParameters;
 using model::ChainJoint;
 using model::ChainLink;
 using model::SerialChainParameters;
@@ -77,32 +78,37 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-}  // namespace
-
-SerialChainParameters readChain(const TomlTable& mechanism) {
-  SerialChainParameters chain;
-  chain.gravity_m_s2 =
-      readVector(mechanism, boundOf("mechanism.gravity_m_s2 (serial_chain)"), chain.gravity_m_s2);
-  if (mechanism.has("urdf")) {
-    if (mechanism.has("link")) {
-      throw mechanism.error("link", "stands beside 'urdf', which has the links; expected one of the two");
-    }
-    chain.links = loadUrdfChain(mechanism.path("urdf"), mechanism.string("base"), mechanism.string("tip"));
-    return chain;
-  }
-  for (const TomlTable& table : mechanism.tables("link")) {
-    chain.links.push_back(readLink(table));
-  }
-  if (chain.links.empty()) {
-    throw mechanism.error("link", "missing, expected a table [[mechanism.link]] for each link, or 'urdf'");
-  }
-  return chain;
+Eigen::Vector3d readGravity(const TomlTable& mechanism) {
+  return readVector(mechanism, boundOf("mechanism.gravity_m_s2 (serial_chain)"),
+                    SerialChainParameters{}.gravity_m_s2);
 }
 
-std::string chainText(const SerialChainParameters& chain) {
-  std::string text = line("gravity_m_s2", chain.gravity_m_s2, "m/s², in the axes of the base");
+/// `link`: a link's table with those that it is in, for messages.
+std::vector<ChainLink> readLinks(const TomlTable& chain, const std::string& link) {
+  if (chain.has("urdf")) {
+    if (chain.has("link")) {
+      throw chain.error("link", "stands beside 'urdf', which has the links; expected one of the two");
+    }
+    return loadUrdfChain(chain.path("urdf"), chain.string("base"), chain.string("tip"));
+  }
+  std::vector<ChainLink> links;
+  for (const TomlTable& table : chain.tables("link")) {
+    links.push_back(readLink(table));
+  }
+  if (links.empty()) {
+    throw chain.error("link", "missing, expected a table [[" + link + "]] for each link, or 'urdf'");
+  }
+  return links;
+}
+
+std::string gravityText(const SerialChainParameters& chain) {
+  return line("gravity_m_s2", chain.gravity_m_s2, "m/s², in the axes of the base");
+}
+
+std::string linksText(const SerialChainParameters& chain, const std::string& table) {
+  std::string text;
   for (const ChainLink& link : chain.links) {
-    text += "\n[[mechanism.link]]\nname = " + quoted(link.name) + "\njoint = \"" +
+    text += "\n[[" + table + "]]\nname = " + quoted(link.name) + "\njoint = \"" +
             kJointKinds[static_cast<std::size_t>(link.joint)] + "\"\n" +
             line("origin_m", link.origin_m, "m; of the joint, in the frame of the link before") +
             line("turn_rad", link.turn_rad, "rad; roll, pitch, yaw");
@@ -113,6 +119,38 @@ std::string chainText(const SerialChainParameters& chain) {
         "mass_kg = " + formatNumber(link.mass_kg) + "  # kg\n" +
         line("com_m", link.com_m, "m; centre of mass in the link's frame") +
         line("inertia_kg_m2", link.inertia_kg_m2, "kg·m², about the centre of mass: xx, yy, zz, xy, xz, yz");
+  }
+  return text;
+}
+
+}  // namespace
+
+SerialChainParameters readChain(const TomlTable& mechanism) {
+  return {.links = readLinks(mechanism, "mechanism.link"), .gravity_m_s2 = readGravity(mechanism)};
+}
+
+ChainGroupParameters readChainGroup(const TomlTable& mechanism) {
+  for (const char* key : {"urdf", "base", "tip", "link"}) {
+    if (mechanism.has(key)) {
+      throw mechanism.error(key, "stands beside 'chain', expected it within a table [[mechanism.chain]]");
+    }
+  }
+  const Eigen::Vector3d gravity_m_s2 = readGravity(mechanism);
+  ChainGroupParameters group;
+  for (const TomlTable& table : mechanism.tables("chain")) {
+    group.chains.push_back({.links = readLinks(table, "mechanism.chain.link"), .gravity_m_s2 = gravity_m_s2});
+  }
+  return group;
+}
+
+std::string chainText(const SerialChainParameters& chain) {
+  return gravityText(chain) + linksText(chain, "mechanism.link");
+}
+
+std::string chainText(const ChainGroupParameters& group) {
+  std::string text = gravityText(group.chains.front());
+  for (const SerialChainParameters& chain : group.chains) {
+    text += "\n[[mechanism.chain]]\n" + linksText(chain, "mechanism.chain.link");
   }
   return text;
 }

@@ -1,9 +1,9 @@
-// The table [mechanism] of a serial chain: its links one by one, or the name of a URDF that has them.
+// The table [mechanism] of serial chains: their links one by one, or the name of a URDF that has them.
 #pragma once
 
 #include <string>
 
-#include "core/model/chain/chain_parameters.hpp"
+#include "core/model/chain_group.hpp"
 #include "firmware_app/files/toml_table.hpp"
 
 namespace patella::app {
@@ -12,7 +12,13 @@ namespace patella::app {
 /// FileError naming file, line, key, value and what was expected, or what is wrong with the URDF.
 model::SerialChainParameters readChain(const TomlTable& mechanism);
 
+/// Several chains on one base: a table [[mechanism.chain]] for each, with what readChain() takes but gravity,
+/// which stands in `mechanism` for all.
+model::ChainGroupParameters readChainGroup(const TomlTable& mechanism);
+
 /// What follows `kind`, link by link; readChain() gives back the same numbers to the bit.
 std::string chainText(const model::SerialChainParameters& chain);
+/// Likewise, and readChainGroup().
+std::string chainText(const model::ChainGroupParameters& group);
 
 }  // namespace patella::app

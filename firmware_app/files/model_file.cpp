@@ -68,6 +68,9 @@ MechanismDescription readMechanism(const TomlTable& table) {
   const std::string kind =
       table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic, kSerialChain});
   if (kind == kSerialChain) {
+    if (table.has("chain")) {
+      return readChainGroup(table);
+    }
     return readChain(table);
   }
   const double gravity = number(table, boundOf("mechanism.gravity_m_s2"), 9.81);
@@ -161,6 +164,9 @@ std::string mechanismText(const MechanismDescription& description) {
                  },
                  [&](const model::SerialChainParameters& chain) {
                    return kindLine(kSerialChain) + chainText(chain);
+                 },
+                 [&](const model::ChainGroupParameters& group) {
+                   return kindLine(kSerialChain) + chainText(group);
                  }},
              description);
 }

@@ -163,7 +163,7 @@ void run(Arguments& a) {
     a.recording.torque_timing = a.torque_timing == "held" ? TorqueTiming::kHeld : TorqueTiming::kSampled;
   }
   const model::ModelDescription model = app::loadModel(a.model);
-  if (std::holds_alternative<model::SerialChainParameters>(model.mechanism)) {
+  if (model::isSerialChain(model.mechanism)) {
     throw std::invalid_argument(fmt::format(
         "--model: {}: mechanism.kind is 'serial_chain', expected 'planar_two_link', 'revolute' or "
         "'prismatic'",

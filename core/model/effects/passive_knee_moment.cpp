@@ -46,13 +46,13 @@ constinit const EffectDescriptor PassiveKneeMoment::kDescriptor{
     " - exp(extension_log + extension_knee * q + extension_hip * q_hip) + offset - stop * exp(stop_knee * q)",
     "Riener, Edrich 1999, Journal of Biomechanics 32(5), 539-544", kParameters};
 
-PassiveKneeMoment::PassiveKneeMoment(int joint, const Mechanism& /*mechanism*/,
+PassiveKneeMoment::PassiveKneeMoment(int joint, const Mechanism& mechanism,
                                      std::span<const double> parameters)
-    : JointEffect(joint, parameters) {}
+    : JointEffect(joint, parameters), hip_(mechanism.jointBefore(joint)) {}
 
 JointVector PassiveKneeMoment::torque(const EffectInput& input) const noexcept {
   const double knee = input.q[joint()];
-  const double hip = joint() > 0 ? input.q[joint() - 1] : 0.0;
+  const double hip = hip_ >= 0 ? input.q[hip_] : 0.0;
   const double against_flexion = exponential(parameter(0) + parameter(1) * knee + parameter(2) * hip);
   const double against_extension = exponential(parameter(3) + parameter(4) * knee + parameter(5) * hip);
   const double stop = std::min(parameter(7) * exponential(parameter(8) * knee), kLimit_Nm);

@@ -13,6 +13,7 @@
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/unit/model/chains.hpp"
 #include "tests/unit/network/random_network.hpp"
 
 namespace patella::test {
@@ -211,6 +212,26 @@ Carrier run(const std::string& estimation, const std::string& motions) {
               "[estimation]" + estimation + "[reference]\nblend_s = 2\n" + motions};
 }
 
+/// As many joints as there can be; load() puts the model beside it.
+Carrier eightJoints() {
+  std::string text = "model = \"eight_joints.toml\"\n[bus]\nmap = \"" + kSource +
+                     "/firmware_app/config/can/patella.toml\"\n[emg]\n";
+  for (int joint = 1; joint <= kMaxJoints; ++joint) {
+    text += "gain" + std::to_string(joint) + "_Nm = [12, -12, 0, 0]\n";
+  }
+  text += "[safety]\n";
+  for (const auto& [key, value] :
+       {std::pair{"torque_Nm", "80"}, std::pair{"torque_rate_Nm_s", "2000"}, std::pair{"velocity_rad_s", "6"},
+        std::pair{"q_min_rad", "-2"}, std::pair{"q_max_rad", "2"}}) {
+    text += std::string(key) + " = [" + value;
+    for (int joint = 1; joint < kMaxJoints; ++joint) {
+      text += std::string(", ") + value;
+    }
+    text += "]\n";
+  }
+  return {FileKind::kRun, text};
+}
+
 /// Two CANopen drives instead of one in MIT mode and an ODrive.
 Carrier canopenRun() {
   Carrier carrier = run(kSampler, kHold);
@@ -331,6 +352,7 @@ const std::vector<Carrier>& carriers() {
     std::vector<Carrier> made = {run(kSampler, kSinusoidAndMove),
                                  run(kSampler, kHold),
                                  canopenRun(),
+                                 eightJoints(),
                                  busMap(),
                                  drivesMap(),
                                  canopenMap()};
@@ -383,6 +405,8 @@ void load(FileKind kind, const std::string& text, const std::filesystem::path& f
   switch (kind) {
     case FileKind::kRun: {
       app::writeFile(path, text);
+      app::saveModel({.mechanism = RandomChains(1).draw(kMaxJoints), .effects = {}},
+                     folder / "eight_joints.toml");
       app::CommandLine line;
       line.config = path;
       app::loadRunConfig(line);
@@ -396,7 +420,7 @@ void load(FileKind kind, const std::string& text, const std::filesystem::path& f
       break;
     case FileKind::kFaultScript:
       app::writeFile(path, text);
-      app::loadFaultScript(path, app::FaultStage::kInProcess);
+      app::loadFaultScript(path, app::FaultStage::kInProcess, 2);
       break;
     case FileKind::kWeights:
       loadWeights(text, folder);

@@ -24,6 +24,25 @@ CommandLine shipped() {
 
 }  // namespace
 
+TEST_CASE("a script of faults names encoders and drives of the joints that there are") {
+  const patella::test::ScratchFolder folder;
+  const auto channelOf = [&](const char* kind, const char* channel, const char* configuration) {
+    writeFile(folder / "faults.toml", std::string("[[fault]]\nkind = \"") + kind +
+                                          "\"\ntime_s = 1\nchannel = \"" + channel + "\"\n" +
+                                          (std::string(kind) == "encoder_jump" ? "offset_rad = 0.5\n" : ""));
+    CommandLine line;
+    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config" / configuration;
+    line.faults = folder / "faults.toml";
+    return loadRunConfig(line).faults.at(0).channel;
+  };
+  CHECK(channelOf("encoder_jump", "encoder4", "two_legs.toml") == 3);
+  CHECK(channelOf("drive_not_following", "drive3", "two_legs.toml") == 2);
+  CHECK(channelOf("encoder_jump", "encoder2", "adult.toml") == 1);
+  CHECK_THROWS_WITH_AS(channelOf("encoder_jump", "encoder3", "adult.toml"),
+                       doctest::Contains("value 'encoder3', expected one of 'encoder1', 'encoder2', 'all'"),
+                       FileError);
+}
+
 TEST_CASE("backends by name") {
   CHECK(parseBackend("sim").kind == BackendKind::kSim);
   const Backend can = parseBackend("can:vcan0");
@@ -107,9 +126,10 @@ TEST_CASE("a reference from a file replaces the configuration's") {
   CHECK_THROWS_AS(loadRunConfig(line), FileError);
 }
 
-TEST_CASE("a run takes a chain of two joints, and refuses more, and a force filter on it, by name") {
+TEST_CASE(
+    "a run takes a chain, with settings for each of its joints, and refuses a force filter on it by name") {
   const patella::test::ScratchFolder folder;
-  const auto with = [&](const patella::model::SerialChainParameters& chain, const std::string& config) {
+  const auto with = [&](const patella::model::MechanismDescription& chain, const std::string& config) {
     saveModel({.mechanism = chain, .effects = {}}, folder / "chain.toml");
     CommandLine line = shipped();
     line.config = config;
@@ -120,9 +140,9 @@ TEST_CASE("a run takes a chain of two joints, and refuses more, and a force filt
   const std::string adult = shipped().config.string();
   const auto leg = patella::test::asChain(patella::model::adultLeg().parameters);
   CHECK(with(leg, adult).model.joints() == 2);
-  CHECK_THROWS_WITH_AS(with(patella::test::RandomChains(2).draw(3), adult),
-                       doctest::Contains("chain.toml: a mechanism of 3 joints, expected at most 2"),
-                       FileError);
+  CHECK_THROWS_WITH_AS(
+      with(patella::test::RandomChains(2).draw(3), adult),
+      doctest::Contains("key 'control.stiffness_Nm_rad': 2 elements, expected an array of 3"), FileError);
 
   std::string text = readFile(adult);
   const auto replace = [&](const std::string& before, const std::string& after) {
@@ -142,7 +162,11 @@ TEST_CASE("a run takes a chain of two joints, and refuses more, and a force filt
     }
   }
   writeFile(folder / "force.toml", text);
-  CHECK_THROWS_WITH_AS(
-      with(leg, folder / "force.toml"),
-      doctest::Contains("value 'kalman_force' with a serial_chain, expected one of the others"), FileError);
+  for (const patella::model::MechanismDescription& chain :
+       {patella::model::MechanismDescription(leg),
+        patella::model::MechanismDescription(patella::model::ChainGroupParameters{{leg}})}) {
+    CHECK_THROWS_WITH_AS(
+        with(chain, folder / "force.toml"),
+        doctest::Contains("value 'kalman_force' with a serial_chain, expected one of the others"), FileError);
+  }
 }

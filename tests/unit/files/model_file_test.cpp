@@ -157,11 +157,14 @@ TEST_CASE("base parameters that no two links have are refused") {
 
 TEST_CASE("every mechanism and every effect survives writing and reading") {
   const ScratchFolder folder;
+  test::RandomChains random(9);
+  model::ChainGroupParameters group{{random.draw(2), random.draw(3)}};
+  group.chains[1].gravity_m_s2 = group.chains[0].gravity_m_s2;
   const MechanismDescription mechanisms[] = {
       model::adultLeg().parameters,
       model::RevoluteJointParameters{.inertia_kg_m2 = 0.1, .moment_kg_m = 1.0 / 3.0, .length_m = 0.4},
       model::PrismaticJointParameters{.mass_kg = 95.1089, .inclination_rad = 0.1, .gravity_m_s2 = 0.0},
-      test::RandomChains(8).draw(5)};
+      test::RandomChains(8).draw(5), group};
   for (const MechanismDescription& mechanism : mechanisms) {
     ModelDescription description{.mechanism = mechanism, .effects = {}};
     for (const model::EffectDescriptor* descriptor : model::effectCatalogue()) {

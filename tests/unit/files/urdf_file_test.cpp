@@ -165,6 +165,35 @@ TEST_CASE("a model file names a URDF, and is written link by link with the same 
   CHECK(modelText(describeModel(makeModel(reread))) == text);
 }
 
+TEST_CASE("each chain of a model on one base may be of a URDF, or link by link") {
+  const ScratchFolder folder;
+  writeFile(folder / "legs.urdf", leg());
+  const auto parsed = [&](const std::string& lines) {
+    return parseModel("[mechanism]\nkind = \"serial_chain\"\ngravity_m_s2 = [0, 0, -9]\n" + lines,
+                      (folder / "model.toml").string());
+  };
+  const std::string of_urdf = "[[mechanism.chain]]\nurdf = \"legs.urdf\"\nbase = \"base\"\ntip = \"foot\"\n";
+  const std::string of_links =
+      "[[mechanism.chain]]\n[[mechanism.chain.link]]\nname = \"arm\"\njoint = \"revolute\"\n"
+      "inertia_kg_m2 = [0.1, 0.1, 0.1, 0, 0, 0]\nmass_kg = 1\n";
+  const model::ModelDescription description = parsed(of_urdf + of_links);
+  const auto& group = std::get<model::ChainGroupParameters>(description.mechanism);
+  REQUIRE(group.chains.size() == 2);
+  CHECK(group.chains[0].links.back().name == "foot");
+  CHECK(group.chains[1].links[0].name == "arm");
+  CHECK(group.chains[1].gravity_m_s2.z() == -9.0);
+  CHECK(description.joints() == group.chains[0].joints() + 1);
+
+  const auto refused = [&](const std::string& lines) { return messageOf<FileError>([&] { parsed(lines); }); };
+  contains(refused("urdf = \"legs.urdf\"\n" + of_urdf),
+           "key 'mechanism.urdf': stands beside 'chain', expected it within a table [[mechanism.chain]]");
+  contains(refused("[[mechanism.chain]]\n"),
+           "key 'mechanism.chain[1].link': missing, expected a table [[mechanism.chain.link]] for each link");
+  contains(refused(of_urdf + "gravity_m_s2 = [0, 0, 0]\n"), "mechanism.chain[1].gravity_m_s2");
+  contains(refused(of_links + of_links + "mass_kg = -1\n"), "mass_kg");
+  contains(refused("chain = 3\n"), "key 'mechanism.chain'");
+}
+
 TEST_CASE("a link of any name survives writing and reading") {
   model::SerialChainParameters chain;
   chain.links = parseUrdfChain(leg(), "r.urdf", "base", "foot");

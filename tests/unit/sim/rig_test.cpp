@@ -7,7 +7,9 @@
 
 #include <doctest/doctest.h>
 
+#include "core/model/model_description.hpp"
 #include "drivers/can/crc8.hpp"
+#include "tests/unit/model/chains.hpp"
 #include "tests/unit/sim/rig_fixture.hpp"
 
 using namespace patella;
@@ -287,4 +289,14 @@ TEST_CASE("impossible rigs are refused by name") {
   can::Database poor = rigDatabase();
   std::erase_if(poor.messages, [](const can::Message& m) { return m.name == "Emg"; });
   CHECK_THROWS_AS(Rig(paperRig(), poor), std::invalid_argument);
+}
+
+TEST_CASE("the rig's own drives are for two joints; more need drives of their own") {
+  const auto model = [&] {
+    return model::makeModel(
+        model::ModelDescription{.mechanism = test::RandomChains(4).draw(3), .effects = {}});
+  };
+  CHECK_THROWS_WITH_AS(Rig(RigOptions{}, model(), model(), rigDatabase()),
+                       doctest::Contains("rig: 3 joints, expected a rig.drive_model for each"),
+                       std::invalid_argument);
 }

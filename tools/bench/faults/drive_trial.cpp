@@ -24,7 +24,6 @@ using sim::FaultEvent;
 using sim::FaultKind;
 using sim::FrameChannel;
 
-constexpr std::size_t kJoints = 2;
 /// Between the effect and the sample that shows it, the tick that sees it, and its own command. A motor that
 /// answers commands tells of a sample one tick later.
 constexpr double kMargin_s = 4e-3;
@@ -53,7 +52,7 @@ class CommandReader {
   CommandReader(const app::RunConfig& config, const can::CommandMap& map)
       : layout_(config.bus.database.message(map.message), {}) {
     for (const can::Binding& binding : map.bindings) {
-      for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      for (std::size_t joint = 0; joint < kMaxJoints; ++joint) {
         if (binding.input == "torque_Nm." + std::to_string(joint + 1)) {
           joint_ = joint;
           slot_ = layout_.slot(binding.signal);
@@ -189,8 +188,8 @@ class DriveJudge final : public can::Bus {
   std::int64_t epoch_ns_ = 0;
   double now_s_ = 0.0;  ///< of the tick under way
   double begin_s_ = -1.0;
-  std::array<double, kJoints> told_Nm_{}, last_Nm_{};
-  std::array<bool, kJoints> told_{};  ///< in this tick
+  PerJoint told_Nm_{}, last_Nm_{};
+  std::array<bool, kMaxJoints> told_{};  ///< in this tick
 };
 
 FaultEvent randomDriveFault(const app::RunConfig& base, Dice& dice) {
@@ -198,7 +197,7 @@ FaultEvent randomDriveFault(const app::RunConfig& base, Dice& dice) {
   const int drawn = dice.below(static_cast<int>(kKinds.size()) + canopen_kinds);
   const FaultKind kind = drawn < static_cast<int>(kKinds.size()) ? kKinds[static_cast<std::size_t>(drawn)]
                                                                  : FaultKind::kDriveLosesSync;
-  FaultEvent event = randomFault(kind, dice);
+  FaultEvent event = randomFault(kind, base.model.joints(), dice);
   if (sim::channelGroup(kind) == sim::ChannelGroup::kFrames) {
     constexpr std::array kChannels = {static_cast<int>(FrameChannel::kDriveStatus),
                                       static_cast<int>(FrameChannel::kCommand),

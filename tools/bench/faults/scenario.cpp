@@ -48,8 +48,8 @@ void frameFault(FaultEvent& event, bool mild, Dice& dice) {
   }
 }
 
-void encoderFault(FaultEvent& event, bool mild, Dice& dice) {
-  event.channel = dice.below(2);
+void encoderFault(FaultEvent& event, int joints, bool mild, Dice& dice) {
+  event.channel = dice.below(joints);
   switch (event.kind) {
     case FaultKind::kEncoderJump:
       event.value = dice.sign() * (mild ? dice.between(0.0, 0.01) : dice.between(0.03, 2.0));
@@ -119,7 +119,7 @@ bool hides(const FaultEvent& one, const FaultEvent& other) {
 
 }  // namespace
 
-FaultEvent randomFault(FaultKind kind, Dice& dice) {
+FaultEvent randomFault(FaultKind kind, int joints, Dice& dice) {
   FaultEvent event;
   event.kind = kind;
   event.time_s = dice.between(kFirstFault_s, 1.8);
@@ -130,13 +130,13 @@ FaultEvent randomFault(FaultKind kind, Dice& dice) {
       frameFault(event, mild, dice);
       break;
     case sim::ChannelGroup::kEncoder:
-      encoderFault(event, mild, dice);
+      encoderFault(event, joints, mild, dice);
       break;
     case sim::ChannelGroup::kEmg:
       emgFault(event, mild, dice);
       break;
     case sim::ChannelGroup::kDrive:
-      event.channel = dice.below(2);
+      event.channel = dice.below(joints);
       event.value = kind == FaultKind::kDriveOverTorque
                         ? dice.sign() * (mild ? dice.between(0.0, 3.0) : dice.between(15.0, 120.0))
                         : (mild ? dice.between(0.8, 1.2) : dice.between(-1.0, 0.0));
@@ -178,8 +178,9 @@ void drawOperation(app::RunConfig& config, Dice& dice) {
     config.rig.operator_buttons.reset_at_s = {dice.between(kFirstFault_s, kTrialDuration_s)};
   }
   config.tick.reference.blend_s = dice.between(0.5, 1.5);
-  config.tick.reference.motion[0] = randomMotion(-1.15, dice);
-  config.tick.reference.motion[1] = randomMotion(-0.8, dice);
+  for (std::size_t joint = 0; joint < static_cast<std::size_t>(config.model.joints()); ++joint) {
+    config.tick.reference.motion[joint] = randomMotion(joint % 2 == 0 ? -1.15 : -0.8, dice);
+  }
 }
 
 app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
@@ -190,7 +191,8 @@ app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
   drawOperation(config, dice);
   const int faults = dice.chance(0.5) ? 1 : 2;
   while (static_cast<int>(config.faults.size()) < faults) {
-    const FaultEvent fault = randomFault(static_cast<FaultKind>(dice.below(sim::kScriptedKindCount)), dice);
+    const FaultEvent fault =
+        randomFault(static_cast<FaultKind>(dice.below(sim::kScriptedKindCount)), base.model.joints(), dice);
     if (config.faults.empty() || !hides(config.faults[0], fault)) {
       config.faults.push_back(fault);
     }

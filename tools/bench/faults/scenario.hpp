@@ -21,10 +21,11 @@ app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed);
 
 /// Sets how long a run is, and draws the patient's push.
 void drawPatient(app::RunConfig& config, std::uint64_t seed, Dice& dice);
-/// Draws the operator's buttons and the motion.
+/// Draws the operator's buttons and the motion; each pair of joints is a leg.
 void drawOperation(app::RunConfig& config, Dice& dice);
 
-/// A random fault of the kind at a random instant; about every fourth is mild: it need not be noticed.
-sim::FaultEvent randomFault(sim::FaultKind kind, Dice& dice);
+/// A random fault of the kind, on one of `joints` where it is of a joint, at a random instant; about every
+/// fourth is mild: it need not be noticed.
+sim::FaultEvent randomFault(sim::FaultKind kind, int joints, Dice& dice);
 
 }  // namespace patella::bench

@@ -25,8 +25,9 @@ struct Contender {
   std::function<double(std::span<const double>)> run;  ///< one step; its output, so that nothing is left out
 };
 
-/// Shape as above, uniform within 1/sqrt(columns), features and outputs of zero mean and scale one.
-network::NetworkWeights randomWeights(int window = kWindow);
+/// Shape as above, uniform within 1/sqrt(columns), features and outputs of zero mean and scale one. Of
+/// another number of joints: with angle and rate of each among the inputs, and an output for each.
+network::NetworkWeights randomWeights(int window = kWindow, int joints = kOutputs);
 
 /// Bytes that one step must read at least: weights, biases, keys and values.
 std::size_t bytesOfStep();

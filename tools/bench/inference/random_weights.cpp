@@ -1,25 +1,31 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "tools/bench/inference/contender.hpp"
 
 namespace patella::bench {
 
-network::NetworkWeights randomWeights(int window) {
+network::NetworkWeights randomWeights(int window, int joints) {
+  const int inputs = 2 * joints + 1;
   network::NetworkWeights weights;
   weights.heads = kHeads;
   weights.window = window;
-  weights.features = {"q1_rad", "q2_rad", "dq1_rad_s", "dq2_rad_s", "time_s"};
-  weights.feature_mean = Eigen::VectorXd::Zero(kInputs);
-  weights.feature_scale = Eigen::VectorXd::Ones(kInputs);
-  weights.output_mean = Eigen::VectorXd::Zero(kOutputs);
-  weights.output_scale = Eigen::VectorXd::Ones(kOutputs);
+  for (const auto& [stem, unit] : {std::pair{"q", "_rad"}, std::pair{"dq", "_rad_s"}}) {
+    for (int joint = 1; joint <= joints; ++joint) {
+      weights.features.push_back(stem + std::to_string(joint) + unit);
+    }
+  }
+  weights.features.emplace_back("time_s");
+  weights.feature_mean = Eigen::VectorXd::Zero(inputs);
+  weights.feature_scale = Eigen::VectorXd::Ones(inputs);
+  weights.output_mean = Eigen::VectorXd::Zero(joints);
+  weights.output_scale = Eigen::VectorXd::Ones(joints);
   weights.lstm.resize(1);
   std::uint32_t state = 1;
   network::visitTensors(
-      weights,
-      {.inputs = kInputs, .hidden = kHidden, .layers = 1, .channels = kChannels, .outputs = kOutputs},
+      weights, {.inputs = inputs, .hidden = kHidden, .layers = 1, .channels = kChannels, .outputs = joints},
       [&state](const std::string&, auto& tensor, Eigen::Index rows, Eigen::Index cols) {
         const double bound = 1.0 / std::sqrt(static_cast<double>(cols == 1 ? kHidden : cols));
         tensor.resize(rows, cols);

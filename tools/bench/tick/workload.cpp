@@ -124,7 +124,7 @@ std::unique_ptr<tick::Tick> makeTick(const app::RunConfig& config, const Workloa
   std::unique_ptr<network::AttentionLstm> network;
   std::vector<std::string> features;
   if (workload.network) {
-    const network::NetworkWeights weights = randomWeights(workload.window);
+    const network::NetworkWeights weights = randomWeights(workload.window, model.joints());
     network = std::make_unique<network::AttentionLstm>(weights);
     features = weights.features;
   }

@@ -8,7 +8,7 @@
 namespace patella::diagnose {
 
 std::vector<PhysicalParameter> physicalParameters(model::MechanismDescription& mechanism) {
-  if (std::holds_alternative<model::SerialChainParameters>(mechanism)) {
+  if (model::isSerialChain(mechanism)) {
     throw std::invalid_argument(
         "diagnosis: a model of kind 'serial_chain', expected 'planar_two_link', 'revolute' or 'prismatic'");
   }

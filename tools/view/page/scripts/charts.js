@@ -4,13 +4,17 @@ const DEGREES = 180 / Math.PI;
 const HEIGHT = 190;
 const LARGEST_DASHED = 64; // ticks a bucket
 
+/** Numbers of the joints that the run has. */
+function jointsOf(history) {
+  return [1, 2, 3, 4, 5, 6, 7, 8].filter((joint) => history.indexOf.has(`q${joint}_rad`));
+}
+
 /** Curves of a plot: column, words, and "dash" for what is wished rather than measured. */
 function plotsOf(history) {
-  const joints = [1, 2].filter((joint) => history.indexOf.has(`q${joint}_rad`));
-  const name = (joint) => (joints.length === 2 ? ["hip", "knee"][joint - 1] : "joint");
+  const joints = jointsOf(history);
   const plots = [];
   const row = (title, unit, factor, curves) => {
-    for (const joint of joints) plots.push({ title: `${title}, ${name(joint)}`, unit, factor, curves: curves(joint) });
+    for (const joint of joints) plots.push({ title: `${title}, joint ${joint}`, unit, factor, curves: curves(joint) });
   };
   row("Angle", "°", DEGREES, (j) => [[`q${j}_rad`, "measured"], [`ref${j}_rad`, "reference", "dash"]]);
   row("Torque", "N·m", 1, (j) => [

@@ -1,5 +1,9 @@
 // The leg from the side: angle of the first joint from the horizontal, the second relative to it; hanging is (-90°, 0).
 class Leg {
+  /** What has more joints is no leg, and the run does not tell which of them carries which. */
+  static shows(history) {
+    return !history.indexOf.has("q3_rad");
+  }
   constructor(svg, history) {
     this.history = history;
     this.svg = svg;
@@ -29,8 +33,8 @@ class Leg {
   }
   /** The same in words. */
   tell(row) {
-    const [hip, knee] = this.angles(row)[0].map((angle) => (Number.isNaN(angle) ? "unknown" : `${Math.round(DEGREES * angle)} degrees`));
-    const words = `The leg from the side, as far as it is measured; dashed: the reference. First joint ${hip}, second joint ${knee}.`;
+    const [first, second] = this.angles(row)[0].map((angle) => (Number.isNaN(angle) ? "unknown" : `${Math.round(DEGREES * angle)} degrees`));
+    const words = `The leg from the side, as far as it is measured; dashed: the reference. First joint ${first}, second joint ${second}.`;
     if (this.svg.getAttribute("aria-label") !== words) this.svg.setAttribute("aria-label", words);
   }
   place(lines, angles, withJoint) {

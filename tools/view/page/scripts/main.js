@@ -43,6 +43,7 @@ class Run {
     this.ticks = new TickDecoder(ticks.schema, this.columns);
     this.row = new Float64Array(this.columns.length).fill(NaN);
     this.history = new History(this.columns);
+    byId("leg").closest(".card").hidden = !Leg.shows(this.history);
     this.leg = new Leg(byId("leg"), this.history);
     this.plots();
   }
