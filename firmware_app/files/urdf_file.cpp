@@ -40,8 +40,8 @@ class Complaints final : public console_bridge::OutputHandler {
   std::string errors_;
 };
 
-/// `model`, whose links let go of each other at its end: links own their children in urdfdom, so that a circle
-/// of them would never be freed.
+/// `model`, whose links let go of each other at its end: links own their children in urdfdom, so that a
+/// circle of them would never be freed.
 urdf::ModelInterfaceSharedPtr opening(urdf::ModelInterfaceSharedPtr model) {
   urdf::ModelInterface* const links_of = model.get();
   return {links_of, [model = std::move(model)](urdf::ModelInterface* /*same*/) {

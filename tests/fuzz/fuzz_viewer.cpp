@@ -93,12 +93,13 @@ std::string answer(Stage& stage, const std::string& bytes) {
   boost::asio::io_context own;
   tcp::socket socket(own);
   boost::system::error_code error;
-  do {  // the port that the system chose may be taken
+  do {  // the port that the system chose may be taken, and the fuzzer's own clock interrupts
+    socket = tcp::socket(own);
     error.clear();
     socket.connect({boost::asio::ip::address_v4::loopback(), stage.server.port()}, error);
-  } while (error == boost::asio::error::address_in_use ||
+  } while (error == boost::asio::error::address_in_use || error == boost::asio::error::interrupted ||
            error == boost::system::errc::address_not_available);
-  fuzz::require(!error, "the server can be reached");
+  fuzz::require(!error, ("the server can be reached: " + error.message()).c_str());
   // No port waits for stragglers afterwards: there are thousands of connections a second.
   socket.set_option(boost::asio::socket_base::linger(true, 0));
   socket.non_blocking(true);

@@ -92,8 +92,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   const ModelFit whole = found.fitter->onWholeTorque(fit);
   const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * options.family_wise_p;
   nameEffects(analysed, found,
-              testDependence(train, whole, analysed.channels, 4 * options.bootstrap_replicates, level,
-                             options.seed + 104729),
+              testDependence(train, whole, analysed.channels, found.fitter->leastTorque_Nm(),
+                             4 * options.bootstrap_replicates, level, options.seed + 104729),
               noise_Nm, options, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);

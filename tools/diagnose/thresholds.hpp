@@ -145,8 +145,11 @@ inline constexpr double kNearBound = 0.02;
 /// Share of the mean square that is left of a joint's torque that an effect has to explain: less is nothing
 /// that anyone would miss, however sure it is.
 inline constexpr double kLeastShare = 0.03;
-/// The same of a tremor below kClearLine. A person who walks or swings a leg pushes in a spectrum that has
-/// humps, which drawn noise does not have.
+/// Share of a joint's load (rms) that an effect has to act with. Gravity alone differs by half a percent
+/// between places: nobody knows a machine better, and nobody misses less.
+inline constexpr double kLeastOfLoad = 0.002;
+/// The share of the mean square of a tremor below kClearLine. A person who walks or swings a leg pushes in a
+/// spectrum that has humps, which drawn noise does not have.
 inline constexpr double kLeastTremorShare = 0.15;
 /// Gain of a tremor, in units of chance, from which on it is a line.
 inline constexpr double kClearLine = 100.0;

@@ -108,8 +108,10 @@ TEST_CASE("a rehearsal asserts what is beyond chance and outweighs the rest") {
   ModelFitter fitter(data, kModel, {});
   const ModelFit fit = fitter.nominal();
   const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
-  const Obstacles sensors_only{.chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}};
-  const Obstacles all_unexplained{.chance = 10.0, .noise_Nm = {0.0}, .structure_Nm = {left_Nm}};
+  const Obstacles sensors_only{
+      .chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}, .least_Nm = {0.0}};
+  const Obstacles all_unexplained{
+      .chance = 10.0, .noise_Nm = {0.0}, .structure_Nm = {left_Nm}, .least_Nm = {0.0}};
   const double above_chance = smallestAsserted({data, fit, sensors_only, alternating(data), 0});
   const double above_rest = smallestAsserted({data, fit, all_unexplained, alternating(data), 0});
   const double sine_rms = std::sqrt(0.5);

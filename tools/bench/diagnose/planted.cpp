@@ -20,6 +20,7 @@
 #include "tools/bench/diagnose/random.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
+#include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
@@ -45,10 +46,19 @@ Recording part(const Recording& whole, double from, double to) {
   return result;
 }
 
+bool isOf(const diagnose::EffectFinding& finding, const model::EffectDescription& effect) {
+  return effect.kind == finding.kind && effect.joint == finding.joint;
+}
+
+bool holdsKind(const std::vector<std::string>& kinds, const std::string& kind) {
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
 struct Half {
   const MeasuredRecording* source = nullptr;
   double from = 0.0, to = 1.0;
   model::ModelDescription model{};  ///< that the other half led to, once it is asked for
+  bool other_judges = false;        ///< the other half moved enough to tell, and nobody pushed
 };
 
 // Nothing where the recording is refused.
@@ -98,33 +108,43 @@ Recording otherHalf(const Half& half) {
   return part(half.source->recording, half.from > 0.0 ? 0.0 : 0.5, half.from > 0.0 ? 0.5 : 1.0);
 }
 
-// Whether the other half speaks against an effect: added to the model that this half led to, it makes the
-// error of its joint larger there.
+// The model without one of the effects that were found, those in whose place it stands back in it, fitted to
+// the same part.
+model::ModelDescription refittedWithout(const diagnose::EffectFinding& finding,
+                                        const model::ModelDescription& extended, const Half& half,
+                                        const diagnose::Dataset& part) {
+  model::ModelDescription without = extended;
+  std::erase_if(without.effects, [&](const auto& effect) { return isOf(finding, effect); });
+  for (const model::EffectDescription& effect : half.model.effects) {
+    if (effect.joint == finding.joint &&
+        (effect.kind == finding.kind || holdsKind(finding.replaces, effect.kind))) {
+      without.effects.push_back(effect);
+    }
+  }
+  diagnose::ModelFitter fitter(part, without, {});
+  return fitter.describe(fitter.nominal());
+}
+
+// Whether the other half speaks against an effect: of two models that were fitted to the diagnosed part, the
+// one with it has the larger error on its joint there. A tremor whose phase wanders is in no model.
 bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDescription& extended,
-                  const Half& half) {
-  const auto is = [&](const model::EffectDescription& effect) {
-    return effect.kind == finding.kind && effect.joint == finding.joint;
-  };
-  const auto found = std::find_if(extended.effects.rbegin(), extended.effects.rend(), is);
-  if (found == extended.effects.rend()) {
+                  const Half& half, const Recording& diagnosed) {
+  if (std::none_of(extended.effects.begin(), extended.effects.end(),
+                   [&](const auto& effect) { return isOf(finding, effect); })) {
     return false;
   }
-  model::ModelDescription with = half.model;
-  std::erase_if(with.effects, [&](const model::EffectDescription& effect) {
-    return effect.joint == finding.joint &&
-           std::find(finding.replaces.begin(), finding.replaces.end(), effect.kind) != finding.replaces.end();
-  });
-  with.effects.push_back(*found);
   const Recording other = otherHalf(half);
   const diagnose::Dataset data(std::span(&other, 1), {});
+  const diagnose::Dataset part(std::span(&diagnosed, 1), {});
   const auto error = [&](const model::ModelDescription& model) {
     return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
   };
-  return error(with) > error(half.model);
+  return error(extended) > error(refittedWithout(finding, extended, half, part));
 }
 
 struct Counts {
-  std::size_t plain = 0, plain_named = 0, plain_false = 0, plain_refused = 0, nothing_shows = 0;
+  std::size_t plain = 0, plain_named = 0, plain_judged = 0, plain_false = 0, plain_refused = 0,
+              nothing_shows = 0;
   std::size_t at_smallest = 0, found_at_smallest = 0;
   std::size_t above = 0, right_above = 0;
   std::size_t other = 0, unknown = 0, nothing = 0, poor = 0, refused = 0;  ///< of all planted
@@ -133,9 +153,8 @@ struct Counts {
 };
 
 bool names(const diagnose::EffectFinding& finding, const PlantedEffect& plant) {
-  const auto& others = finding.indistinguishable_from;
   return finding.joint == plant.joint &&
-         (finding.kind == plant.kind || std::find(others.begin(), others.end(), plant.kind) != others.end());
+         (finding.kind == plant.kind || holdsKind(finding.indistinguishable_from, plant.kind));
 }
 
 // The planted number as it was found; nothing where the effect was not found by its own name.
@@ -187,17 +206,19 @@ void mark(const std::optional<diagnose::Diagnosis>& diagnosis, const PlantedEffe
 
 std::string heading() {
   return fmt::format(
-      "  {:<34}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n",
-      "", "plain", "named", "false", "refused", "none", "at size", "found", "above", "right", "other",
-      "unknown", "nothing", "poor", "refused", "sized", "holds");
+      "  {:<34}{:>7}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} "
+      "|{:>7}{:>7}\n",
+      "", "plain", "named", "judged", "false", "refused", "none", "at size", "found", "above", "right",
+      "other", "unknown", "nothing", "poor", "refused", "sized", "holds");
 }
 
 std::string line(const std::string& name, const Counts& c) {
   return fmt::format(
-      "  {:<34}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} |{:>7}{:>7}\n",
-      name, c.plain, c.plain_named, c.plain_false, c.plain_refused, c.nothing_shows, c.at_smallest,
-      c.found_at_smallest, c.above, c.right_above, c.other, c.unknown, c.nothing, c.poor, c.refused, c.sized,
-      c.interval_holds);
+      "  {:<34}{:>7}{:>7}{:>7}{:>7}{:>8}{:>6} |{:>8}{:>7} |{:>7}{:>7} |{:>7}{:>8}{:>8}{:>6}{:>8} "
+      "|{:>7}{:>7}\n",
+      name, c.plain, c.plain_named, c.plain_judged, c.plain_false, c.plain_refused, c.nothing_shows,
+      c.at_smallest, c.found_at_smallest, c.above, c.right_above, c.other, c.unknown, c.nothing, c.poor,
+      c.refused, c.sized, c.interval_holds);
 }
 
 std::string foundText(const std::optional<diagnose::Diagnosis>& diagnosis) {
@@ -269,13 +290,15 @@ class PlantedCases {
       answer = diagnosePlanted(recording, best->extended, *plant);
     }
     const std::string kind = plant ? plant->kind : "nothing";
-    const bool is_false =
-        plain && std::any_of(plain->effects.begin(), plain->effects.end(),
-                             [&](const auto& effect) { return contradicted(effect, plain->extended, half); });
+    const bool is_false = plain && half.other_judges &&
+                          std::any_of(plain->effects.begin(), plain->effects.end(), [&](const auto& effect) {
+                            return contradicted(effect, plain->extended, half, recording);
+                          });
     const std::lock_guard lock(mutex_);
     for (Counts* counts : {&sum_, &by_rig_[half.source->rig], &by_kind_[kind]}) {
       ++counts->plain;
       counts->plain_named += plain && !plain->effects.empty() ? 1 : 0;
+      counts->plain_judged += plain && half.other_judges ? 1 : 0;
       counts->plain_false += is_false ? 1 : 0;
       counts->plain_refused += plain ? 0 : 1;
       counts->nothing_shows += plain && !plant ? 1 : 0;
@@ -313,6 +336,8 @@ class PlantedCases {
     std::call_once(led_to_[index], [&half] {
       const std::optional<diagnose::Diagnosis> other = decide(otherHalf(half), half.source->model);
       half.model = other ? other->extended : half.source->model;
+      half.other_judges =
+          other && !half.source->by_hand && other->verdict != diagnose::Verdict::kInsufficientExcitation;
     });
     return half;
   }

@@ -88,6 +88,11 @@ struct Wrong {
       link.com_m *= (*this)(1.0);
     }
   }
+  void operator()(model::ChainGroupParameters& group) const {
+    for (model::SerialChainParameters& chain : group.chains) {
+      (*this)(chain);
+    }
+  }
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "tools/diagnose/effects/declared.hpp"
 #include "tools/diagnose/fit/edges.hpp"
 #include "tools/diagnose/fit/physical_parameters.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -138,6 +139,9 @@ ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nom
   const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal.mechanism, .effects = {}});
   regressor_ = data.regressor(dynamics.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
+  for (const double load_Nm : loads_Nm(data, torque_, regressor_, dynamics.mechanism().baseParameters())) {
+    least_torque_Nm_.push_back(accepted::kLeastOfLoad * load_Nm);
+  }
   fixed_torque_ = Eigen::VectorXd::Zero(torque_.size());
   addDeclared(nominal);
   model::DynamicsModel whole = model::makeModel(nominal);
@@ -186,12 +190,31 @@ void ModelFitter::addDeclared(const model::ModelDescription& nominal) {
   }
 }
 
+std::vector<double> ModelFitter::atNominalScale(std::span<const double> logarithms) const {
+  std::vector<double> scaled(logarithms.begin(), logarithms.end());
+  if (!torque_.isZero(0.0)) {
+    return scaled;
+  }
+  const auto weighs = [&](std::size_t i) { return names_[i].find("_kg") != std::string::npos; };
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < scaled.size(); ++i) {
+    sum += weighs(i) ? scaled[i] : 0.0;
+    count += weighs(i) ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < scaled.size(); ++i) {
+    scaled[i] -= weighs(i) ? sum / static_cast<double>(count) : 0.0;
+  }
+  return scaled;
+}
+
 model::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logarithms) const {
   model::MechanismDescription mechanism = nominal_.mechanism;
   const std::vector<PhysicalParameter> parameters = physicalParameters(mechanism);
+  const std::vector<double> scaled = atNominalScale(logarithms);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto& [name, value, range] = parameters[i];
-    *value = std::clamp(*value * std::exp(logarithms[i]), range.minimum, range.maximum);
+    *value = std::clamp(*value * std::exp(scaled[i]), range.minimum, range.maximum);
   }
   return mechanism;
 }
@@ -341,6 +364,7 @@ void ModelFitter::solve(ModelFit& fit, const Weighting& weighting) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   Cost::scatter(parameters, fit);
+  fit.mechanism = atNominalScale(fit.mechanism);
 }
 
 ModelFit ModelFitter::nominal() {

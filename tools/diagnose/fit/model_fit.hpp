@@ -60,6 +60,8 @@ class ModelFitter {
   ModelFitter(const Dataset& data, const model::ModelDescription& nominal, const FitOptions& options);
 
   const Dataset& data() const noexcept { return *data_; }
+  /// rms of the torque on each joint below which nothing is missed, N·m.
+  const std::vector<double>& leastTorque_Nm() const noexcept { return least_torque_Nm_; }
   /// The model as given, refitted within its tolerances.
   ModelFit nominal();
   /// Rows that follow each other closely say less than their number. Squared errors count `redundancy` times
@@ -88,6 +90,10 @@ class ModelFitter {
 
  private:
   class Cost;
+  /// Where no joint is driven, masses, moments and inertias larger by one factor move alike, and smaller ones
+  /// leave less torque unexplained: the mean of their logarithms stays at what the model says. Driven
+  /// machines: as given.
+  std::vector<double> atNominalScale(std::span<const double> logarithms) const;
   model::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
   /// Addition of Recipe::shifts_angle to the mechanism's regressor.
   Eigen::MatrixXd shift(int joint, double angle_rad);
@@ -108,7 +114,8 @@ class ModelFitter {
   FitOptions options_;
   std::vector<std::string> names_;
   std::vector<double> values_;
-  std::vector<double> largest_logarithm_;        ///< by which a value may grow
+  std::vector<double> largest_logarithm_;  ///< by which a value may grow
+  std::vector<double> least_torque_Nm_;
   std::unique_ptr<model::Mechanism> mechanism_;  ///< nominal; effects that need one use it
   Eigen::MatrixXd regressor_;
   Eigen::VectorXd torque_;

@@ -10,9 +10,9 @@
 
 namespace patella::diagnose {
 
-/// At most seventeen lines: the verdict, the effects with their parameters and rivals, the errors of the model
-/// as given and of the extended one against the noise floor, what to look at twice, the plan
-/// of a better motion, where the files are.
+/// At most seventeen lines: the verdict, the effects with their parameters and rivals, the errors of the
+/// model as given and of the extended one against the noise floor, what to look at twice, the plan of a
+/// better motion, where the files are.
 void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder, std::ostream& out);
 
 /// Says how far it is: on a terminal in one line that changes, elsewhere in one line for each stage.

@@ -25,9 +25,12 @@ bool JointRest::exceeds(double share) const noexcept {
 }
 
 std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism) {
-  const model::BaseParameters base = mechanism.baseParameters();
-  const Eigen::MatrixXd regressor = data.regressor(mechanism, JointVector::Zero(data.joints()));
-  const Column torque = data.driveTorque();
+  return loads_Nm(data, data.driveTorque(), data.regressor(mechanism, JointVector::Zero(data.joints())),
+                  mechanism.baseParameters());
+}
+
+std::vector<double> loads_Nm(const Dataset& data, const Column& torque, const Eigen::MatrixXd& regressor,
+                             const model::BaseParameters& base) {
   std::vector<double> loads;
   for (int joint = 0; joint < data.joints(); ++joint) {
     double load = rms(data, torque, joint);

@@ -22,6 +22,9 @@ struct JointRest {
 /// rms of the largest of each joint's drive torque and its rigid-body terms, N·m; a term may be large where
 /// the torque is small, as gravity is beside an inertia that swings.
 std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism);
+/// The same, where the mechanism's regressor is known already. `torque`: of the drives.
+std::vector<double> loads_Nm(const Dataset& data, const Column& torque, const Eigen::MatrixXd& regressor,
+                             const model::BaseParameters& base);
 
 /// Joint by joint: whether its torque is more than a sensor's zero beside the load.
 std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mechanism);

@@ -59,6 +59,9 @@ class Selector {
 
   bool forward() {
     const ModelFit& current = result_.fit;
+    if (!isMissed([&](int joint) { return squareOf(current, joint); })) {
+      return false;
+    }
     const Screening screening(
         fitter_.data(), current, atoms_,
         {.replicates = options_.replicates, .seed = options_.seed + 7919 * result_.steps.size()});
@@ -161,6 +164,22 @@ class Selector {
     return share;
   }
 
+  // Whether a torque whose sums of squares these are would be missed on any joint.
+  bool isMissed(const std::function<double(int joint)>& square) const {
+    const auto rows = static_cast<double>(fitter_.data().rows());
+    for (int joint = 0; joint < fitter_.data().joints(); ++joint) {
+      if (square(joint) > rows * std::pow(fitter_.leastTorque_Nm()[static_cast<std::size_t>(joint)], 2)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  bool isMaterial(const ModelFit& larger, double least_share) const {
+    return shareOf(larger) >= least_share &&
+           isMissed([&](int joint) { return squareOf(result_.fit, joint) - squareOf(larger, joint); });
+  }
+
   // Prior knowledge counts against a fit by so many squared standard deviations less.
   double reliefOf(const ModelFit& larger) const {
     return (result_.fit.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
@@ -170,7 +189,7 @@ class Selector {
   std::string gate(const Candidate& candidate, double p_value) const {
     const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < accepted::kClearLine;
     if (options_.gates.share &&
-        shareOf(*candidate.fit) < (hump ? accepted::kLeastTremorShare : accepted::kLeastShare) &&
+        !isMaterial(*candidate.fit, hump ? accepted::kLeastTremorShare : accepted::kLeastShare) &&
         reliefOf(*candidate.fit) < accepted::kMoved) {
       return "too little";
     }

@@ -168,8 +168,14 @@ double surprise(double gain, int dimensions) {
 
 class Tester {
  public:
-  Tester(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed)
-      : data_(data), fit_(fit), nuisance_(nuisance(data)), replicates_(replicates), seed_(seed) {}
+  Tester(const Dataset& data, const ModelFit& fit, std::span<const double> least_Nm, int replicates,
+         std::uint64_t seed)
+      : data_(data),
+        fit_(fit),
+        least_Nm_(least_Nm),
+        nuisance_(nuisance(data)),
+        replicates_(replicates),
+        seed_(seed) {}
 
   /// Adds what a family of functions shows that chance would in so many recordings.
   void test(const Atoms& atoms, double family_wise_p) {
@@ -218,15 +224,18 @@ class Tester {
         std::max(0.0, screened.gain - screened.dimensions) * screened.raw_gain / screened.gain;
     const double rms_Nm =
         std::sqrt(fit_.residual.segment(atom.joint * data_.rows(), data_.rows()).squaredNorm() / rows);
-    ranked_.push_back({surprise(screened.gain, screened.dimensions),
-                       {.joint = atom.joint,
-                        .variable = atom.label,
-                        .explained_Nm = rms_Nm * std::sqrt(std::min(1.0, beyond_chance / rows)),
-                        .p_value = p_value}});
+    const double explained_Nm = rms_Nm * std::sqrt(std::min(1.0, beyond_chance / rows));
+    if (explained_Nm < least_Nm_[static_cast<std::size_t>(atom.joint)]) {
+      return;
+    }
+    ranked_.push_back(
+        {surprise(screened.gain, screened.dimensions),
+         {.joint = atom.joint, .variable = atom.label, .explained_Nm = explained_Nm, .p_value = p_value}});
   }
 
   const Dataset& data_;
   const ModelFit& fit_;
+  std::span<const double> least_Nm_;
   Eigen::MatrixXd nuisance_;
   int replicates_;
   std::uint64_t seed_;
@@ -236,9 +245,9 @@ class Tester {
 }  // namespace
 
 std::vector<Dependence> testDependence(const Dataset& data, const ModelFit& fit,
-                                       std::span<const int> channels, int replicates, double family_wise_p,
-                                       std::uint64_t seed) {
-  Tester tester(data, fit, replicates, seed);
+                                       std::span<const int> channels, std::span<const double> least_Nm,
+                                       int replicates, double family_wise_p, std::uint64_t seed) {
+  Tester tester(data, fit, least_Nm, replicates, seed);
   tester.test(functionAtoms(data, fit, channels), (1.0 - unknown::kShareOfSwings) * family_wise_p);
   tester.test(changingStiffness(data, fit), unknown::kShareOfSwings * family_wise_p);
   return std::move(tester).result();

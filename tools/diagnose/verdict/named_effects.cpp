@@ -46,16 +46,20 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
   }
 }
 
+double meanSquareOf(const EffectFinding& tremor) {
+  return 0.5 * std::pow(tremor.parameters.front().value, 2);
+}
+
 // A line in the spectrum of what is left, against all else that is left.
 bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
-  const double own = 0.5 * std::pow(tremor.parameters.front().value, 2);
+  const double own = meanSquareOf(tremor);
   const double rest = left_Nm * left_Nm - noise_Nm * noise_Nm - own;
   return own < asserted::kOverRest * asserted::kOverRest * rest;
 }
 
 void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,
-                const Column& left, std::span<const double> noise_Nm, const DiagnoseOptions& options,
-                Diagnosis& diagnosis) {
+                const Column& left, std::span<const double> least_Nm, std::span<const double> noise_Nm,
+                const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const auto& kinds = options.effects;
   const bool considered = kinds.empty() || std::find(kinds.begin(), kinds.end(), "tremor") != kinds.end();
   if (!considered) {
@@ -63,6 +67,9 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
   }
   for (EffectFinding& tremor : wanderingTremors(recordings.wide, extended, diagnosis.effects)) {
     const auto joint = static_cast<std::size_t>(tremor.joint);
+    if (meanSquareOf(tremor) < least_Nm[joint] * least_Nm[joint]) {
+      continue;
+    }
     if (options.gates.rest &&
         outweighed(tremor, jointRms(recordings.train, left, tremor.joint), noise_Nm[joint])) {
       tremor.not_asserted_because = kOutweighedWords;
@@ -105,7 +112,8 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
   }
   addConfoundsBetween(diagnosis.effects);
   const Eigen::VectorXd left = found.fitter->onWholeTorque(selection.fit).residual;
-  addTremors(recordings, found.fitter->describe(selection.fit), left, noise_Nm, options, diagnosis);
+  addTremors(recordings, found.fitter->describe(selection.fit), left, found.fitter->leastTorque_Nm(),
+             noise_Nm, options, diagnosis);
   // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
   if (diagnosis.effects.empty() && diagnosis.unexplained.empty() && selection.unsteady) {
     diagnosis.unexplained.push_back(*selection.unsteady);

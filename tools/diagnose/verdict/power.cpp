@@ -159,7 +159,8 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
                                  const Chance& chance) {
   const Dataset& data = fitter.data();
   const Detector detector(data, fit, chance.threshold);
-  Obstacles obstacles{.chance = chance.margin, .noise_Nm = {}, .structure_Nm = {}};
+  Obstacles obstacles{
+      .chance = chance.margin, .noise_Nm = {}, .structure_Nm = {}, .least_Nm = fitter.leastTorque_Nm()};
   for (const RestOfJoint& rest : rests) {
     obstacles.noise_Nm.push_back(rest.noise_Nm);
     obstacles.structure_Nm.push_back(rest.structure_Nm);

@@ -129,14 +129,17 @@ double Rehearsal::chanceUnit(const ModelFit& with) const {
 
 bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with) const {
   double share = 0.0;
+  bool missed = false;
   for (int joint = 0; joint < data_.joints(); ++joint) {
     const double before = jointRms(data_, without.residual, joint);
-    share = std::max(share,
-                     before > 0.0 ? 1.0 - std::pow(jointRms(data_, with.residual, joint) / before, 2) : 0.0);
+    const double left = jointRms(data_, with.residual, joint);
+    share = std::max(share, before > 0.0 ? 1.0 - std::pow(left / before, 2) : 0.0);
+    missed = missed || before * before - left * left >
+                           std::pow(obstacles_.least_Nm[static_cast<std::size_t>(joint)], 2);
   }
   const double relief = (without.prior_residual.squaredNorm() - with.prior_residual.squaredNorm()) /
                         std::pow(with.prior_scale, 2);
-  if (share < accepted::kLeastShare && relief < accepted::kMoved) {
+  if ((share < accepted::kLeastShare || !missed) && relief < accepted::kMoved) {
     return false;
   }
   const double unit = chanceUnit(with);

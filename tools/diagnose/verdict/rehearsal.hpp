@@ -18,6 +18,7 @@ struct Obstacles {
   double chance = 0.0;               ///< gain less the cost of its parameters that chance brings
   std::vector<double> noise_Nm;      ///< of sensors and declared pushes, joint by joint
   std::vector<double> structure_Nm;  ///< what nothing explains beyond that
+  std::vector<double> least_Nm;      ///< torque on each joint below which nothing is missed
 };
 
 class Rehearsal {
