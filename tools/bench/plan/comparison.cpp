@@ -84,11 +84,10 @@ Comparison compare(const Machine& machine, const CompareOptions& options) {
   request.timing.duration_s = options.duration_s;
   request.design.evaluations = options.evaluations;
   request.design.seed = options.seed;
-  std::vector<Revealed> sine = bestSine(request);
-  std::stable_sort(sine.begin(), sine.end(), [](const Revealed& a, const Revealed& b) {
-    return a.share_of_torque > b.share_of_torque;
-  });
-  const Revealed& least = sine.front();
+  const std::vector<Revealed> sine = bestSine(request);
+  const Revealed& least = *std::max_element(
+      sine.begin(), sine.end(),
+      [](const Revealed& a, const Revealed& b) { return a.share_of_torque < b.share_of_torque; });
   request.effects = {fmt::format("{}@{}", least.kind, least.joint + 1)};
   const auto start = std::chrono::steady_clock::now();
   const MotionPlan plan = makePlan(request);

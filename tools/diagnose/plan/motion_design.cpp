@@ -61,8 +61,8 @@ class Search {
     for (int i = 0; i < std::max(kClimbed, count(kLooking)); ++i) {
       climbers.push_back(drawn());
     }
-    std::stable_sort(climbers.begin(), climbers.end(),
-                     [](const Climber& a, const Climber& b) { return a.value > b.value; });
+    std::sort(climbers.begin(), climbers.end(),
+              [](const Climber& a, const Climber& b) { return a.value > b.value; });
     climbers.resize(kClimbed);
     if (!std::isfinite(climbers.front().value)) {
       throw std::runtime_error(

@@ -1,6 +1,7 @@
 #include "tools/diagnose/plan/motion_plan.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace patella::diagnose {
@@ -36,8 +37,8 @@ MotionPlan makePlan(const PlanRequest& request) {
   plan.motion = designMotion(family, information, request.start_rad, limits, request.reach, torque,
                              request.timing.duration_s, request.design);
   plan.revealed = information.revealed(plan.motion.sampled);
-  std::stable_sort(plan.revealed.begin(), plan.revealed.end(), [](const Revealed& a, const Revealed& b) {
-    return a.share_of_torque > b.share_of_torque;
+  std::sort(plan.revealed.begin(), plan.revealed.end(), [](const Revealed& a, const Revealed& b) {
+    return std::tie(b.share_of_torque, a.kind, a.joint) < std::tie(a.share_of_torque, b.kind, b.joint);
   });
   PlanRequest common = request;
   common.effects = commonKinds();
