@@ -25,10 +25,12 @@ class Commands:
         self.parsed = 0
         self.help = {}
         self.start_document()
-        sources = [*self.root.rglob("CMakeLists.txt"), *self.root.rglob("*.cmake")]
-        # Build folders hold CMake files of their own.
-        kept = [path for path in sources if path.relative_to(self.root).parts[0] != "build"]
-        self.cmake = "\n".join(path.read_text() for path in kept)
+        # Build folders hold CMake files of their own, and folders that other tests make and remove meanwhile.
+        folders = [part for part in self.root.iterdir() if part.is_dir() and part.name != "build"]
+        sources = [self.root / "CMakeLists.txt"]
+        for folder in folders:
+            sources += [*folder.rglob("CMakeLists.txt"), *folder.rglob("*.cmake")]
+        self.cmake = "\n".join(path.read_text() for path in sources)
         presets = self.root / "CMakePresets.json"
         self.presets = json.loads(presets.read_text()) if presets.is_file() else {}
 
