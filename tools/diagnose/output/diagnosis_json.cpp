@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "core/model/effect.hpp"
+#include "tools/diagnose/output/revealed_json.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 
 namespace patella::diagnose {
@@ -95,20 +95,6 @@ Json describeTiming(const DriveTiming& timing) {
           {"lag_s", timing.lag_s},
           {"relative_error_before", timing.relative_error_before},
           {"relative_error_after", timing.relative_error_after}};
-}
-
-Json describeRevealed(const Revealed& revealed) {
-  Json parameters = Json::object();
-  for (std::size_t p = 0; p < revealed.parameters.size(); ++p) {
-    parameters[std::string(model::findEffect(revealed.kind)->parameters[p].name)] = revealed.parameters[p];
-  }
-  return {{"effect", revealed.kind},
-          {"joint", revealed.joint + 1},
-          {"parameter", revealed.parameter},
-          {"smallest_size", revealed.smallest_size},
-          {"parameters", parameters},
-          {"torque_rms", revealed.torque_rms_Nm},
-          {"share_of_torque", revealed.share_of_torque}};
 }
 
 Json versions() {

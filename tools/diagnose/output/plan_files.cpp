@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_app/files/wording.hpp"
+#include "tools/diagnose/output/revealed_json.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/verdict/power.hpp"
 
@@ -56,24 +57,10 @@ std::string askedFor(const MotionPlan& plan, const PlanRequest& request) {
                           : fmt::format("{}", fmt::join(request.effects, ", ")));
 }
 
-Json described(const Revealed& revealed) {
-  Json parameters = Json::object();
-  for (std::size_t p = 0; p < revealed.parameters.size(); ++p) {
-    parameters[std::string(model::findEffect(revealed.kind)->parameters[p].name)] = revealed.parameters[p];
-  }
-  return {{"effect", revealed.kind},
-          {"joint", revealed.joint + 1},
-          {"parameter", revealed.parameter},
-          {"smallest_size", revealed.smallest_size},
-          {"parameters", parameters},
-          {"torque_rms", revealed.torque_rms_Nm},
-          {"share_of_torque", revealed.share_of_torque}};
-}
-
 Json describedAll(const std::vector<Revealed>& all) {
   Json out = Json::array();
   for (const Revealed& revealed : all) {
-    out.push_back(described(revealed));
+    out.push_back(describeRevealed(revealed));
   }
   return out;
 }
