@@ -91,12 +91,13 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   const ModelFit& fit = found.selection.fit;
   const ModelFit whole = found.fitter->onWholeTorque(fit);
   const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * options.family_wise_p;
-  nameEffects(analysed, found,
+  const std::vector<JointRest> rests = jointRests(train, bare.mechanism(), whole.residual, noise_Nm);
+  nameEffects(analysed, found, whole.residual, rests,
               testDependence(train, whole, analysed.channels, found.fitter->leastTorque_Nm(),
                              4 * options.bootstrap_replicates, level, options.seed + 104729),
-              noise_Nm, options, diagnosis);
+              options, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
-  judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);
+  judgeRest(rests, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, options.nominal_tolerance, diagnosis);
   diagnosis.revealed =
       revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit), chanceOf(diagnosis, fit));

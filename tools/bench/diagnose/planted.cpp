@@ -125,13 +125,14 @@ model::ModelDescription refittedWithout(const diagnose::EffectFinding& finding,
   return fitter.describe(fitter.nominal());
 }
 
-// Whether the other half speaks against an effect: of two models that were fitted to the diagnosed part, the
-// one with it has the larger error on its joint there. A tremor whose phase wanders is in no model.
-bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDescription& extended,
-                  const Half& half, const Recording& diagnosed) {
+// What the other half says of an effect: of two models that were fitted to the diagnosed part, the error
+// there of the one with it over that of the one without it, on its joint. Above 1 the effect is false. A
+// tremor whose phase wanders is in no model and not judged: 0.
+double errorElsewhere(const diagnose::EffectFinding& finding, const model::ModelDescription& extended,
+                      const Half& half, const Recording& diagnosed) {
   if (std::none_of(extended.effects.begin(), extended.effects.end(),
                    [&](const auto& effect) { return isOf(finding, effect); })) {
-    return false;
+    return 0.0;
   }
   const Recording other = otherHalf(half);
   const diagnose::Dataset data(std::span(&other, 1), {});
@@ -139,7 +140,7 @@ bool contradicted(const diagnose::EffectFinding& finding, const model::ModelDesc
   const auto error = [&](const model::ModelDescription& model) {
     return diagnose::jointRms(data, diagnose::residualOf(data, model).residual, finding.joint);
   };
-  return error(extended) > error(refittedWithout(finding, extended, half, part));
+  return error(extended) / error(refittedWithout(finding, extended, half, part));
 }
 
 struct Counts {
@@ -290,10 +291,13 @@ class PlantedCases {
       answer = diagnosePlanted(recording, best->extended, *plant);
     }
     const std::string kind = plant ? plant->kind : "nothing";
-    const bool is_false = plain && half.other_judges &&
-                          std::any_of(plain->effects.begin(), plain->effects.end(), [&](const auto& effect) {
-                            return contradicted(effect, plain->extended, half, recording);
-                          });
+    double worst = 0.0;
+    if (plain && half.other_judges) {
+      for (const diagnose::EffectFinding& effect : plain->effects) {
+        worst = std::max(worst, errorElsewhere(effect, plain->extended, half, recording));
+      }
+    }
+    const bool is_false = worst > 1.0;
     const std::lock_guard lock(mutex_);
     for (Counts* counts : {&sum_, &by_rig_[half.source->rig], &by_kind_[kind]}) {
       ++counts->plain;
@@ -306,12 +310,13 @@ class PlantedCases {
         mark(answer, *plant, *counts);
       }
     }
-    const std::string row =
-        fmt::format("{},{},{},{:.3f},{:.3f},{},{},{},{:.4g},{:.3f},{},{}", index, half.source->rig,
-                    half.source->name, from, from + length, foundText(plain) + (is_false ? " FALSE" : ""),
-                    plant ? fmt::format("{}@{}", plant->kind, plant->joint + 1) : "",
-                    plant ? plant->main : "", plant ? plant->size : 0.0, plant ? plant->in_smallest : 0.0,
-                    plant ? foundText(answer) : "", plant ? remark(answer, *plant) : "");
+    const std::string row = fmt::format(
+        "{},{},{},{:.3f},{:.3f},{},{},{},{:.4g},{:.3f},{},{}", index, half.source->rig, half.source->name,
+        from, from + length,
+        foundText(plain) + (is_false ? fmt::format(" FALSE: error elsewhere {:.3f} times", worst) : ""),
+        plant ? fmt::format("{}@{}", plant->kind, plant->joint + 1) : "", plant ? plant->main : "",
+        plant ? plant->size : 0.0, plant ? plant->in_smallest : 0.0, plant ? foundText(answer) : "",
+        plant ? remark(answer, *plant) : "");
     std::fprintf(stderr, "%s\n", row.c_str());
     if (table_.is_open()) {
       table_ << row << "\n" << std::flush;

@@ -9,12 +9,15 @@
 #include "tools/diagnose/effects/recipe_names.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 /// Logarithm of a factor from which on nothing is known of what it multiplies.
 constexpr double kLargestLogarithm = 50.0;
+/// Of a joint that leaves nothing at all.
+constexpr double kLeastVariance_Nm2 = 1e-18;
 
 // Names of the parameters at which the fit came to the end of a range.
 std::set<std::string> atBound(const Term& term) {
@@ -35,14 +38,35 @@ std::set<std::string> atBound(const Term& term) {
   return names;
 }
 
+// The covariance with variances of at least these; correlations stay.
+Eigen::MatrixXd widened(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& least_variance) {
+  const Eigen::VectorXd factor =
+      (least_variance.array() / covariance.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  return factor.asDiagonal() * covariance * factor.asDiagonal();
+}
+
 }  // namespace
 
 Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates,
                                 std::uint64_t seed) {
-  const Eigen::MatrixXd drawn = parameterCovariance(data, fit, replicates, seed);
-  const Eigen::VectorXd left_out = jackknifeCovariance(fit).diagonal();
-  const Eigen::VectorXd factor = (left_out.array() / drawn.diagonal().array().max(1e-300)).max(1.0).sqrt();
-  return factor.asDiagonal() * drawn * factor.asDiagonal();
+  return widened(parameterCovariance(data, fit, replicates, seed), jackknifeCovariance(fit).diagonal());
+}
+
+Eigen::MatrixXd withRest(const Eigen::MatrixXd& covariance, const Dataset& data, const ModelFit& fit,
+                         std::span<const JointRest> rests) {
+  const auto rows = static_cast<double>(data.rows());
+  Eigen::MatrixXd information = (fit.prior_weight / fit.prior_scale).cwiseAbs2().asDiagonal();
+  for (std::size_t joint = 0; joint < rests.size(); ++joint) {
+    const double noise_Nm2 = rests[joint].noise_Nm * rests[joint].noise_Nm;
+    const double variance_Nm2 =
+        noise_Nm2 + std::pow(rests[joint].structure_Nm(), 2) * rows / asserted::kLooks;
+    const auto slope = fit.tangent.middleRows(static_cast<Eigen::Index>(joint) * data.rows(), data.rows());
+    information += slope.transpose() * slope / std::max(variance_Nm2, kLeastVariance_Nm2);
+  }
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlated = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::MatrixXd inverse = correlated.completeOrthogonalDecomposition().pseudoInverse();
+  return widened(covariance, inverse.diagonal().cwiseProduct(scale.cwiseAbs2()));
 }
 
 Eigen::MatrixXd parameterSlopes(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t index) {

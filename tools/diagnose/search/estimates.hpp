@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
 
 namespace patella::diagnose {
@@ -17,6 +19,12 @@ inline constexpr double kDeviations95 = 1.959964;
 /// Covariance of a fit's parameters: the larger of what the noise makes of them and what leaving out parts of
 /// the recording does.
 Eigen::MatrixXd widerCovariance(const Dataset& data, const ModelFit& fit, int replicates, std::uint64_t seed);
+
+/// The covariance, widened where a parameter's variance is less than a rest beyond noise allows. Such a rest
+/// comes again wherever the motion does, so that more rows tell no more of it: it counts as asserted::kLooks
+/// independent looks, however long the recording is. `rests`: joint by joint.
+Eigen::MatrixXd withRest(const Eigen::MatrixXd& covariance, const Dataset& data, const ModelFit& fit,
+                         std::span<const JointRest> rests);
 
 /// The covariance with what a rugged objective hides: curvature says nothing of which of its neighbouring
 /// valleys is the lowest by chance.

@@ -8,9 +8,7 @@
 
 namespace patella::diagnose {
 
-void judgeRest(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
-               std::span<const double> noise_Nm, bool person, Diagnosis& diagnosis) {
-  const std::vector<JointRest> rests = jointRests(data, mechanism, left, noise_Nm);
+void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnosis) {
   for (const JointRest& rest : rests) {
     diagnosis.rests.push_back(
         {.torque_Nm = rest.torque_Nm, .structure_Nm = rest.structure_Nm(), .noise_Nm = rest.noise_Nm});

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/correlations.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
@@ -51,14 +50,14 @@ double meanSquareOf(const EffectFinding& tremor) {
 }
 
 // A line in the spectrum of what is left, against all else that is left.
-bool outweighed(const EffectFinding& tremor, double left_Nm, double noise_Nm) {
+bool outweighed(const EffectFinding& tremor, const JointRest& left) {
   const double own = meanSquareOf(tremor);
-  const double rest = left_Nm * left_Nm - noise_Nm * noise_Nm - own;
+  const double rest = left.left_Nm * left.left_Nm - left.noise_Nm * left.noise_Nm - own;
   return own < asserted::kOverRest * asserted::kOverRest * rest;
 }
 
 void addTremors(const AnalysedRecordings& recordings, const model::ModelDescription& extended,
-                const Column& left, std::span<const double> least_Nm, std::span<const double> noise_Nm,
+                std::span<const double> least_Nm, std::span<const JointRest> rests,
                 const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const auto& kinds = options.effects;
   const bool considered = kinds.empty() || std::find(kinds.begin(), kinds.end(), "tremor") != kinds.end();
@@ -70,8 +69,7 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
     if (meanSquareOf(tremor) < least_Nm[joint] * least_Nm[joint]) {
       continue;
     }
-    if (options.gates.rest &&
-        outweighed(tremor, jointRms(recordings.train, left, tremor.joint), noise_Nm[joint])) {
+    if (options.gates.rest && outweighed(tremor, rests[joint])) {
       tremor.not_asserted_because = kOutweighedWords;
     }
     diagnosis.warnings.push_back(
@@ -95,15 +93,16 @@ Eigen::VectorXd missingTorque(MissingEffects& found) {
 
 }  // namespace
 
-void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
-                 const std::vector<Dependence>& dependences, std::span<const double> noise_Nm,
+void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, const Column& left,
+                 std::span<const JointRest> rests, const std::vector<Dependence>& dependences,
                  const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const Dataset& data = recordings.train;
   const Selection& selection = found.selection;
   diagnosis.steps = selection.steps;
   diagnosis.unexplained = dependences;
   const Eigen::MatrixXd covariance =
-      widerCovariance(data, selection.fit, options.bootstrap_replicates, options.covarianceSeed());
+      withRest(widerCovariance(data, selection.fit, options.bootstrap_replicates, options.covarianceSeed()),
+               data, selection.fit, rests);
   const std::vector<FreeFunction> free = freeFunctions(data, selection);
   addSelected(found, covariance, free, data.joints(), diagnosis.effects);
   for (const LateDrive& late : found.late) {
@@ -111,9 +110,8 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
         findingOf(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence, data.joints()));
   }
   addConfoundsBetween(diagnosis.effects);
-  const Eigen::VectorXd left = found.fitter->onWholeTorque(selection.fit).residual;
-  addTremors(recordings, found.fitter->describe(selection.fit), left, found.fitter->leastTorque_Nm(),
-             noise_Nm, options, diagnosis);
+  addTremors(recordings, found.fitter->describe(selection.fit), found.fitter->leastTorque_Nm(), rests,
+             options, diagnosis);
   // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
   if (diagnosis.effects.empty() && diagnosis.unexplained.empty() && selection.unsteady) {
     diagnosis.unexplained.push_back(*selection.unsteady);
