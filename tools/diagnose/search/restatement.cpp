@@ -11,6 +11,7 @@
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/estimates.hpp"
+#include "tools/diagnose/search/missed.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -40,8 +41,9 @@ class Restatement {
   }
 
  private:
-  // Puts a special case in the place of what contains it, where the rest is not worth its parameters: an
-  // early step did not know yet what the later ones found. False where all is as simple as it can be.
+  // Puts a special case in the place of what contains it, where the rest is not worth its parameters, or
+  // where nobody would miss it: an early step did not know yet what the later ones found. False where all is
+  // as simple as it can be.
   bool simplify() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       const Term& term = selection_.fit.terms[t];
@@ -66,8 +68,8 @@ class Restatement {
           best = std::move(simple);
         }
       }
-      if (best &&
-          (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ || isOutOfRange(t, *best, rest))) {
+      if (best && (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ ||
+                   isOutOfRange(t, *best, rest) || !gainIsMissed(fitter_, *best, selection_.fit))) {
         take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
@@ -211,22 +213,28 @@ class Restatement {
     return plain == atoms_.items.end() ? nullptr : &*plain;
   }
 
+  // Dry and viscous friction in the place of friction of two levels and two dampings; empty for other terms.
+  std::optional<ModelFit> asPlainFriction(std::size_t index) {
+    const Term& term = selection_.fit.terms[index];
+    if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() <= 2) {
+      return std::nullopt;
+    }
+    std::optional<ModelFit> plain = withoutTerm(selection_.fit, index);
+    for (const std::string_view kind : {"coulomb_friction", "viscous_friction"}) {
+      const Atom* simple = plainAtom(kind, term.recipe->joint);
+      plain = plain && simple != nullptr ? added(*plain, *simple, simple->nu) : std::nullopt;
+    }
+    return plain && plain->at_edge.empty() ? std::move(plain) : std::nullopt;
+  }
+
   // Friction of two levels and two dampings that are not worth their number may as well be dry and viscous
   // friction: two effects, which no single rival is.
   void findPlainFriction() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
-      const Term& term = selection_.fit.terms[t];
-      if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() <= 2) {
-        continue;
-      }
-      std::optional<ModelFit> plain = withoutTerm(selection_.fit, t);
-      for (const std::string_view kind : {"coulomb_friction", "viscous_friction"}) {
-        const Atom* simple = plainAtom(kind, term.recipe->joint);
-        plain = plain && simple != nullptr ? added(*plain, *simple, simple->nu) : std::nullopt;
-      }
-      if (plain && plain->at_edge.empty() && worth(*plain) < worth(selection_.fit)) {
+      const std::optional<ModelFit> plain = asPlainFriction(t);
+      if (plain && worth(*plain) < worth(selection_.fit)) {
         selection_.evidence[t].rivals.push_back("coulomb_friction+viscous_friction@" +
-                                                std::to_string(term.recipe->joint + 1));
+                                                std::to_string(selection_.fit.terms[t].recipe->joint + 1));
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/gates.hpp"
+#include "tools/diagnose/search/missed.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/search/restatement.hpp"
 #include "tools/diagnose/search/rivals.hpp"
@@ -59,7 +60,7 @@ class Selector {
 
   bool forward() {
     const ModelFit& current = result_.fit;
-    if (!isMissed([&](int joint) { return squareOf(current, joint); })) {
+    if (!restIsMissed(fitter_, current)) {
       return false;
     }
     const Screening screening(
@@ -164,20 +165,8 @@ class Selector {
     return share;
   }
 
-  // Whether a torque whose sums of squares these are would be missed on any joint.
-  bool isMissed(const std::function<double(int joint)>& square) const {
-    const auto rows = static_cast<double>(fitter_.data().rows());
-    for (int joint = 0; joint < fitter_.data().joints(); ++joint) {
-      if (square(joint) > rows * std::pow(fitter_.leastTorque_Nm()[static_cast<std::size_t>(joint)], 2)) {
-        return true;
-      }
-    }
-    return false;
-  }
-
   bool isMaterial(const ModelFit& larger, double least_share) const {
-    return shareOf(larger) >= least_share &&
-           isMissed([&](int joint) { return squareOf(result_.fit, joint) - squareOf(larger, joint); });
+    return shareOf(larger) >= least_share && gainIsMissed(fitter_, result_.fit, larger);
   }
 
   // Prior knowledge counts against a fit by so many squared standard deviations less.

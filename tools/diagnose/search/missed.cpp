@@ -1,0 +1,38 @@
+#include "tools/diagnose/search/missed.hpp"
+
+#include <cmath>
+
+namespace patella::diagnose {
+namespace {
+
+double squareOf(const ModelFitter& fitter, const ModelFit& fit, std::size_t joint) {
+  const Eigen::Index rows = fitter.data().rows();
+  return fit.residual.segment(static_cast<Eigen::Index>(joint) * rows, rows).squaredNorm();
+}
+
+// `square`: sum of a joint's squares, N²·m².
+template <class Square>
+bool anyJointMisses(const ModelFitter& fitter, const Square& square) {
+  const std::vector<double>& least_Nm = fitter.leastTorque_Nm();
+  const auto rows = static_cast<double>(fitter.data().rows());
+  for (std::size_t joint = 0; joint < least_Nm.size(); ++joint) {
+    if (square(joint) > rows * std::pow(least_Nm[joint], 2)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool restIsMissed(const ModelFitter& fitter, const ModelFit& fit) {
+  return anyJointMisses(fitter, [&](std::size_t joint) { return squareOf(fitter, fit, joint); });
+}
+
+bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const ModelFit& larger) {
+  return anyJointMisses(fitter, [&](std::size_t joint) {
+    return squareOf(fitter, smaller, joint) - squareOf(fitter, larger, joint);
+  });
+}
+
+}  // namespace patella::diagnose
