@@ -18,6 +18,17 @@ constexpr double kWeightingWhiteShare = 0.5;
 constexpr int kHighestProcessOrder = 10;
 constexpr int kBurnIn = 200;
 
+/// A Column less the mean of each joint's rows. A constant torque is no noise: taken for some, it would pass
+/// for a process that never comes back, against which no constant shows.
+Eigen::VectorXd centred(const Dataset& data, const Eigen::VectorXd& residual) {
+  Eigen::VectorXd result = residual;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    auto rows = result.segment(joint * data.rows(), data.rows());
+    rows.array() -= rows.mean();
+  }
+  return result;
+}
+
 /// Calls visit(coefficients, first row among the innovations, its row in a Column, rows) for each joint and
 /// block.
 template <typename Visit>
@@ -101,7 +112,7 @@ Eigen::VectorXd Autoregression::transposed(const Dataset& data, const Eigen::Vec
 
 Weighting::Weighting(const Dataset& data, const Eigen::VectorXd& residual)
     : data_(&data),
-      filter_(Autoregression::fit(data, residual, kWeightingOrder, kWeightingWhiteShare)),
+      filter_(Autoregression::fit(data, centred(data, residual), kWeightingOrder, kWeightingWhiteShare)),
       rows_(filter_.rows(data)) {
   scaleTo(residual);
 }
@@ -163,7 +174,8 @@ double Weighting::objective(const Eigen::VectorXd& residual) const {
   return 2.0 * static_cast<double>(rows_) * factor.diagonal().array().log().sum();
 }
 
-NoiseProcess::NoiseProcess(const Dataset& data, const Eigen::VectorXd& residual) : data_(&data) {
+NoiseProcess::NoiseProcess(const Dataset& data, const Eigen::VectorXd& whole) : data_(&data) {
+  const Eigen::VectorXd residual = centred(data, whole);
   double least = std::numeric_limits<double>::infinity();
   const int highest = data.isStatic() ? 0 : kHighestProcessOrder;
   for (int order = 0; order <= highest; ++order) {
