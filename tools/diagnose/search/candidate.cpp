@@ -13,21 +13,22 @@ namespace {
 /// Not at the bound itself, from which a derivative by ν would vanish.
 constexpr double kOffTheBound = 1e-3;
 
-// Columns of all effects in a fit that have a strength; the mechanism is not among them.
-Eigen::MatrixXd effectColumns(ModelFitter& fitter, const ModelFit& fit) {
+// Columns of the found effects in a fit that have a strength. Declared ones are held near their values and
+// give no torque of any size; the mechanism is not among them.
+Eigen::MatrixXd freeColumns(ModelFitter& fitter, const ModelFit& fit) {
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index count = 0;
   for (const Term& term : fit.terms) {
-    parts.push_back(fitter.basis(*term.recipe, term.nu));
-    count += term.c.empty() ? 0 : parts.back().cols();
+    if (!term.declared && !term.c.empty()) {
+      parts.push_back(fitter.basis(*term.recipe, term.nu));
+      count += parts.back().cols();
+    }
   }
   Eigen::MatrixXd columns(fitter.data().rows() * fitter.data().joints(), count);
   Eigen::Index at = 0;
-  for (std::size_t t = 0; t < parts.size(); ++t) {
-    if (!fit.terms[t].c.empty()) {
-      columns.middleCols(at, parts[t].cols()) = parts[t];
-      at += parts[t].cols();
-    }
+  for (const Eigen::MatrixXd& part : parts) {
+    columns.middleCols(at, part.cols()) = part;
+    at += part.cols();
   }
   return columns;
 }
@@ -116,7 +117,7 @@ bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom) {
   ModelFit beside = fit;
   std::erase_if(beside.terms, [&](const Term& term) { return replaces(*atom.recipe, term); });
   const std::vector<bool> own =
-      ownCoefficients(fitter.basis(*atom.recipe, atom.nu), effectColumns(fitter, beside));
+      ownCoefficients(fitter.basis(*atom.recipe, atom.nu), freeColumns(fitter, beside));
   return std::find(own.begin(), own.end(), true) == own.end();
 }
 
@@ -139,7 +140,7 @@ std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, 
   }
   if (atom.recipe->coefficients() > 0) {
     const std::vector<bool> own =
-        ownCoefficients(fitter.basis(*atom.recipe, atom.nu), effectColumns(fitter, start));
+        ownCoefficients(fitter.basis(*atom.recipe, atom.nu), freeColumns(fitter, start));
     if (std::find(own.begin(), own.end(), true) == own.end()) {
       return std::nullopt;
     }
