@@ -151,7 +151,8 @@ std::string heading(const Arguments& arguments, const Diagnosis& diagnosis) {
   text += fmt::format("with seed {}.", diagnosis.seed);
   for (const EffectFinding& effect : diagnosis.effects) {
     for (const ParameterEstimate& estimate : effect.parameters) {
-      text += fmt::format("\n{}: {}", effectWords(effect), estimateText(estimate, unitsOf(diagnosis, effect.joint)));
+      text += fmt::format("\n{}: {}", effectWords(effect),
+                          estimateText(estimate, unitsOf(diagnosis, effect.joint)));
     }
   }
   return text;

@@ -46,8 +46,8 @@ TEST_CASE("a parameter without uncertainty correlates with nothing") {
   ModelFit fit;
   fit.mechanism = {0.0, 0.0};
   const std::vector<std::string> names{"mass_kg", "inertia_kg_m2"};
-  const Correlations found =
-      correlationsOf(fit, names, Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(0.0, 1.0).asDiagonal().toDenseMatrix());
+  const Correlations found = correlationsOf(fit, names, Eigen::MatrixXd::Identity(2, 2),
+                                            Eigen::Vector2d(0.0, 1.0).asDiagonal().toDenseMatrix());
   CHECK(std::isnan(found.matrix[0][1]));
   CHECK(found.matrix[1][1] == 1.0);
 }

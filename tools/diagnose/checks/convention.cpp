@@ -353,8 +353,8 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
 }
 
 std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
-  const std::span<const Unit> units =
-      names.turns(std::max(joint, 0)) ? std::span<const Unit>(kTorqueUnits) : std::span<const Unit>(kForceUnits);
+  const std::span<const Unit> units = names.turns(std::max(joint, 0)) ? std::span<const Unit>(kTorqueUnits)
+                                                                      : std::span<const Unit>(kForceUnits);
   std::vector<Convention> all;
   for (const Unit& unit : units) {
     all.push_back(scaleConvention(joint, unit.recorded,

@@ -79,8 +79,9 @@ std::string errorLine(const Diagnosis& diagnosis, std::size_t joint) {
     return numberAt(heldout ? error.heldout_rms_Nm : error.train_rms_Nm, joint);
   };
   return fmt::format("  error of joint {}{}, {}: {} as given, {} refitted, {} extended; noise floor {}",
-                     joint + 1, heldout ? " on held-out data" : "", unitsOf(diagnosis, static_cast<int>(joint)).torque,
-                     rms(diagnosis.before), rms(diagnosis.refitted), rms(diagnosis.after),
+                     joint + 1, heldout ? " on held-out data" : "",
+                     unitsOf(diagnosis, static_cast<int>(joint)).torque, rms(diagnosis.before),
+                     rms(diagnosis.refitted), rms(diagnosis.after),
                      numberAt(diagnosis.noise_floor_Nm, joint));
 }
 

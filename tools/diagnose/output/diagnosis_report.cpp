@@ -144,8 +144,8 @@ std::string nominalTable(const Diagnosis& diagnosis) {
   for (const RefittedParameter& parameter : diagnosis.nominal) {
     const double change = 100.0 * (parameter.refitted / parameter.nominal - 1.0);
     table.rows.push_back({parameter.made_of.empty() ? parameter.name : parameter.made_of,
-                          fmt::format("{:.4g}", parameter.nominal),
-                          fmt::format("{:.4g}", parameter.refitted), fmt::format("{:.2g}", parameter.sd),
+                          fmt::format("{:.4g}", parameter.nominal), fmt::format("{:.4g}", parameter.refitted),
+                          fmt::format("{:.2g}", parameter.sd),
                           std::isfinite(change) ? fmt::format("{:+.1f}", change) : "–"});
     table.marks.push_back(mark(diagnosis, parameter.name));
   }

@@ -119,9 +119,10 @@ std::vector<PlannedEffect> plannedEffects(std::span<const std::string> names,
     const Name name = parsed(text, model.joints());
     const EffectHome& home = effectHome(name.kind);
     if (name.joint && !mayHave(home, model.mechanism, *name.joint)) {
-      const char* expected = home.along_segment ? "a joint whose segment has a length"
-                             : home.of_knee ? "a joint on which it may act: one that turns in the plane of the one before"
-                                            : "a joint on which it may act: one that turns";
+      const char* expected =
+          home.along_segment ? "a joint whose segment has a length"
+          : home.of_knee     ? "a joint on which it may act: one that turns in the plane of the one before"
+                             : "a joint on which it may act: one that turns";
       throw std::invalid_argument(fmt::format("--effects: value '{}', expected {}", text, expected));
     }
     for (int joint = 0; joint < model.joints(); ++joint) {

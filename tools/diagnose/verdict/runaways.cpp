@@ -117,14 +117,14 @@ void addNominal(const RefittedParameter& parameter, double tolerance, const Unit
   }
   const std::string unit = splitName(parameter.name.substr(0, parameter.name.find('[')), units).unit;
   const double bound = parameter.tolerated[parameter.refitted > parameter.nominal ? 1 : 0];
-  all.push_back({.what = parameter.name,
-                 .nominal = parameter.nominal,
-                 .refitted = parameter.refitted,
-                 .limit = parameter.is_ratio ? runaway::kWithinTolerance * tolerance : bound,
-                 .words = fmt::format("the model's {} went from {} to {}{}{}",
-                                      parameterWords(parameter.name, units), withUnit(parameter.nominal, ""),
-                                      withUnit(parameter.refitted, unit), parameter.is_ratio ? " " : ", ",
-                                      beyondWords(parameter, unit))});
+  all.push_back(
+      {.what = parameter.name,
+       .nominal = parameter.nominal,
+       .refitted = parameter.refitted,
+       .limit = parameter.is_ratio ? runaway::kWithinTolerance * tolerance : bound,
+       .words = fmt::format("the model's {} went from {} to {}{}{}", parameterWords(parameter.name, units),
+                            withUnit(parameter.nominal, ""), withUnit(parameter.refitted, unit),
+                            parameter.is_ratio ? " " : ", ", beyondWords(parameter, unit))});
 }
 
 /// The declared effect in the extended model; several of a kind on one joint keep their order. Nothing where

@@ -70,9 +70,8 @@ void settle(Diagnosis& diagnosis) {
       std::any_of(found.begin(), found.end(), [](const EffectFinding& effect) { return effect.asserted(); });
   diagnosis.verdict = verdictOf(diagnosis.doubts, effects);
   const Doubt* deciding = decidingDoubt(diagnosis.doubts, effects);
-  diagnosis.explanation = deciding != nullptr && !deciding->words.empty()
-                              ? deciding->words
-                              : explanation(diagnosis);
+  diagnosis.explanation =
+      deciding != nullptr && !deciding->words.empty() ? deciding->words : explanation(diagnosis);
   if (diagnosis.verdict == Verdict::kEffectFound) {
     for (const Doubt& doubt : diagnosis.doubts) {
       if (doubt.kind == Doubt::kLargeRest) {
