@@ -43,7 +43,8 @@ Figure powerFigure(const Diagnosis& diagnosis, int joint) {
                            .from = 0.0,
                            .to = percent,
                            .colour = revealed.share_of_torque > unknown::kMaterialRest ? kWeak : kShows});
-    figure.row_notes.push_back({.row = row, .at = percent, .text = sizeWords(revealed, unitsOf(diagnosis))});
+    figure.row_notes.push_back(
+        {.row = row, .at = percent, .text = sizeWords(revealed, unitsOf(diagnosis, revealed.joint))});
   }
   const double start = std::pow(10.0, std::floor(std::log10(std::max(lowest, 1e-3))));
   for (auto& bar : figure.bars) {

@@ -90,6 +90,10 @@ Eigen::VectorXd Autoregression::innovations(const Dataset& data,
           [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
             auto out = result.segment(at, count);
             out = column.segment(first, count);
+            // Most effects act on one joint of up to eight.
+            if (column.segment(first - order, count + order).isZero(0.0)) {
+              return;
+            }
             for (int k = 0; k < order; ++k) {
               out -= a[k] * column.segment(first - 1 - k, count);
             }
@@ -141,11 +145,14 @@ Eigen::MatrixXd Weighting::apply(const Eigen::Ref<const Eigen::MatrixXd>& column
   Eigen::MatrixXd result(rows_ * joints, columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     const Eigen::VectorXd weighted = filter_.innovations(*data_, columns.col(c));
-    for (int row = 0; row < joints; ++row) {
-      auto out = result.col(c).segment(row * rows_, rows_);
-      out.setZero();
-      for (int joint = 0; joint <= row; ++joint) {
-        out += inverse_root_(row, joint) * weighted.segment(joint * rows_, rows_);
+    result.col(c).setZero();
+    for (int joint = 0; joint < joints; ++joint) {
+      const auto own = weighted.segment(joint * rows_, rows_);
+      if (own.isZero(0.0)) {
+        continue;
+      }
+      for (int row = joint; row < joints; ++row) {
+        result.col(c).segment(row * rows_, rows_) += inverse_root_(row, joint) * own;
       }
     }
   }

@@ -52,8 +52,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
   const ModelFit nominal = fitter.nominal();
   const std::vector<std::string> kinds{"actuator_delay", "actuator_lag"};
   const std::vector<double> no_friction(static_cast<std::size_t>(data.joints()), 0.0);
-  const auto all =
-      byWholeTorque(recipes(data, model::makeModel(explained).mechanism(), kinds, {}, no_friction, false));
+  const auto all = byWholeTorque(recipes(data, explained.mechanism, kinds, {}, no_friction));
   std::vector<LateDrive> late;
   for (const int joint : clean) {
     auto considered = all;

@@ -222,7 +222,6 @@ std::string sizeWords(const Revealed& revealed, const Units& units) {
 }
 
 std::string revealedWords(const Diagnosis& diagnosis) {
-  const Units units = unitsOf(diagnosis);
   std::string words;
   std::size_t told = 0;
   for (const Revealed& revealed : diagnosis.revealed) {
@@ -231,7 +230,8 @@ std::string revealedWords(const Diagnosis& diagnosis) {
     }
     words += fmt::format("{}{}{} {}", told == 0 ? "" : ", ",
                          effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1)),
-                         std::isfinite(revealed.torque_rms_Nm) ? " from" : "", sizeWords(revealed, units));
+                         std::isfinite(revealed.torque_rms_Nm) ? " from" : "",
+                         sizeWords(revealed, unitsOf(diagnosis, revealed.joint)));
     ++told;
   }
   return words;
