@@ -49,9 +49,8 @@ class MechanismParameters {
 };
 
 /// Where no joint is driven (`keeps_scale`), masses, moments and inertias larger by one factor move alike,
-/// and smaller ones leave less torque unexplained: then their scale stays what it is, of leg and single
-/// joints as the mean of the logarithms, of chains as the length of the base parameters in units of their
-/// spread.
+/// and smaller ones leave less torque unexplained: then their scale, the length of the base parameters in
+/// units of their spread, stays what it is.
 std::unique_ptr<MechanismParameters> mechanismParameters(const model::MechanismDescription& nominal,
                                                          bool keeps_scale);
 

@@ -42,6 +42,10 @@ std::vector<PhysicalParameter> parametersOf(model::MechanismDescription& mechani
   return all;
 }
 
+model::BaseParameters baseParametersOf(const model::MechanismDescription& mechanism) {
+  return model::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
+}
+
 }  // namespace
 
 PhysicalParameters::PhysicalParameters(const model::MechanismDescription& nominal, bool keeps_scale)
@@ -54,39 +58,58 @@ PhysicalParameters::PhysicalParameters(const model::MechanismDescription& nomina
     const double room = std::log(parameter.bound.maximum / *parameter.value);
     largest_logarithm_.push_back(std::min(kLargestLogarithm, room));
   }
+  if (keeps_scale_) {
+    spread_ = spreadsOfBase();
+    nominal_scale_ = scaleOf(nominal_);
+  }
 }
 
+Eigen::VectorXd PhysicalParameters::spreadsOfBase() const {
+  constexpr double kStep = 1e-4;
+  const model::BaseParameters base = baseParametersOf(nominal_);
+  Eigen::MatrixXd slopes(base.size(), static_cast<Eigen::Index>(count()));
+  for (std::size_t i = 0; i < count(); ++i) {
+    std::vector<double> moved(count(), 0.0);
+    moved[i] = kStep;
+    slopes.col(static_cast<Eigen::Index>(i)) = (baseParametersOf(freeAt(moved)) - base) / kStep;
+  }
+  // Nothing of what cannot move counts.
+  return (slopes.rowwise().norm().array() > 0.0).select(slopes.rowwise().norm(), HUGE_VAL);
+}
+
+double PhysicalParameters::scaleOf(const model::MechanismDescription& mechanism) const {
+  return baseParametersOf(mechanism).cwiseQuotient(spread_).norm();
+}
+
+// Masses, moments and inertias are in proportion to the base parameters.
 std::vector<double> PhysicalParameters::settled(std::span<const double> z) const {
   std::vector<double> scaled(z.begin(), z.end());
   if (!keeps_scale_) {
     return scaled;
   }
-  const auto weighs = [&](std::size_t i) { return names_[i].find("_kg") != std::string::npos; };
-  double sum = 0.0;
-  std::size_t count = 0;
+  const double grown = std::log(scaleOf(freeAt(z)) / nominal_scale_);
   for (std::size_t i = 0; i < scaled.size(); ++i) {
-    sum += weighs(i) ? scaled[i] : 0.0;
-    count += weighs(i) ? 1 : 0;
-  }
-  for (std::size_t i = 0; i < scaled.size(); ++i) {
-    scaled[i] -= weighs(i) ? sum / static_cast<double>(count) : 0.0;
+    scaled[i] -= names_[i].find("_kg") != std::string::npos ? grown : 0.0;
   }
   return scaled;
 }
 
-model::MechanismDescription PhysicalParameters::at(std::span<const double> z) const {
+model::MechanismDescription PhysicalParameters::freeAt(std::span<const double> z) const {
   model::MechanismDescription mechanism = nominal_;
   const std::vector<PhysicalParameter> parameters = parametersOf(mechanism);
-  const std::vector<double> scaled = settled(z);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto& [name, value, range] = parameters[i];
-    *value = std::clamp(*value * std::exp(scaled[i]), range.minimum, range.maximum);
+    *value = std::clamp(*value * std::exp(z[i]), range.minimum, range.maximum);
   }
   return mechanism;
 }
 
+model::MechanismDescription PhysicalParameters::at(std::span<const double> z) const {
+  return freeAt(settled(z));
+}
+
 model::BaseParameters PhysicalParameters::baseParameters(std::span<const double> z) const {
-  return model::makeModel({.mechanism = at(z), .effects = {}}).mechanism().baseParameters();
+  return baseParametersOf(at(z));
 }
 
 std::array<double, 2> PhysicalParameters::range(std::size_t index) const {

@@ -21,11 +21,19 @@ class PhysicalParameters final : public MechanismParameters {
   Eigen::MatrixXd namedSlopes(std::span<const double> z) const override;
 
  private:
+  /// The mechanism with these logarithms, its scale not kept.
+  model::MechanismDescription freeAt(std::span<const double> z) const;
+  Eigen::VectorXd spreadsOfBase() const;
+  /// Length of its base parameters, each in units of its spread.
+  double scaleOf(const model::MechanismDescription& mechanism) const;
+
   model::MechanismDescription nominal_;
   bool keeps_scale_;
   std::vector<std::string> names_;
   std::vector<double> values_;
   std::vector<double> largest_logarithm_;  ///< by which a value may grow
+  Eigen::VectorXd spread_;                 ///< of the base parameters, for a spread of 1 of each logarithm
+  double nominal_scale_ = 0.0;
 };
 
 }  // namespace patella::diagnose
