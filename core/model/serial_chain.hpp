@@ -57,8 +57,8 @@ class SerialChain final : public Mechanism {
   /// As combinations of standard parameters, such as "ZZ1 + YY2 + 0.16 M2", joints numbered from
   /// `first_joint`; see chain::BaseParameterSet.
   std::vector<std::string> baseParameterNames(int first_joint = 1) const { return base_.names(first_joint); }
-  /// baseParameters() as a linear function of the standard parameters of all bodies, of which one has ten; see
-  /// chain::BaseParameterSet.
+  /// baseParameters() as a linear function of the standard parameters of all bodies, of which one has ten;
+  /// see chain::BaseParameterSet.
   const Eigen::MatrixXd& baseOfStandard() const noexcept { return base_.combination(); }
 
  private:

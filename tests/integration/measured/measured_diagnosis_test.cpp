@@ -192,6 +192,26 @@ TEST_CASE("a free pendulum, under no torque all along, tells its friction") {
   CHECK(diagnosis.after.heldout_rms_Nm[0] < diagnosis.before.heldout_rms_Nm[0]);
 }
 
+TEST_CASE("a free triple pendulum, a chain without drives: its authors' parameters, and no effect asserted") {
+  const Diagnosis diagnosis = diagnose::diagnose(
+      load({"measured/multiarm_pendulum/map_triple_free_1kHz.csv"}, "free_triple_pendulum.toml", 3), {},
+      app::loadModel(kMaps / "free_triple_pendulum_model.toml"), {});
+  CHECK(std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                     [](const EffectFinding& effect) { return effect.asserted(); }));
+  // What is left of the gravity torque, 2.6 to 3.0 %, is more than sensors make.
+  CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
+  for (std::size_t joint = 0; joint < 3; ++joint) {
+    CHECK(diagnosis.refitted.heldout_rms_Nm[joint] <= diagnosis.before.heldout_rms_Nm[joint]);
+    CHECK(diagnosis.after.heldout_rms_Nm[joint] <= diagnosis.before.heldout_rms_Nm[joint]);
+  }
+  // Of nine base parameters the three MY are no parameters of rods along x.
+  REQUIRE(diagnosis.nominal.size() == 6);
+  for (const diagnose::RefittedParameter& parameter : diagnosis.nominal) {
+    CHECK(parameter.refitted == doctest::Approx(parameter.nominal).epsilon(0.02));
+    CHECK_FALSE(parameter.isBeyond());
+  }
+}
+
 TEST_CASE("an arm that hardly moves, one joint of it without current, tells next to nothing") {
   const Diagnosis diagnosis =
       diagnose::diagnose(load({"measured/dfki_double_pendulum_c1/c1_144003.csv"}, "double_pendulum.toml", 2),

@@ -128,6 +128,7 @@ class Known {
     if (names_.joints == 2) {
       betweenJoints();
     }
+    absoluteAngles();
     return std::move(all_);
   }
 
@@ -243,11 +244,28 @@ class Known {
     addPositions(named(ConventionKind::kJointsExchanged, kAll, "the joints are swapped",
                        "q2 for q1 and tau2 for tau1"),
                  exchanged, exchanged);
+  }
+
+  // All angles but the first, which each count from the segment before.
+  void absoluteAngles() {
+    for (int j = 0; j < names_.joints; ++j) {
+      if (names_.joints < 2 || !names_.turns(j)) {
+        return;
+      }
+    }
     for (const double sign : {-1.0, 1.0}) {
       JointMatrix relative = unit();
-      relative(1, 0) = sign;
-      addPositions(named(ConventionKind::kAbsoluteAngle, 1, "q2_rad is not relative to the first segment",
-                         sign < 0.0 ? "q2 − q1" : "q2 + q1", sign),
+      std::string later, change;
+      for (int j = 1; j < names_.joints; ++j) {
+        relative(j, j - 1) = sign;
+        later += fmt::format("{}q{}_rad", j == 1 ? "" : " and ", j + 1);
+        change += fmt::format("{}q{} {} q{}", j == 1 ? "" : ", ", j + 1, sign < 0.0 ? "−" : "+", j);
+      }
+      const bool pair = names_.joints == 2;
+      addPositions(named(ConventionKind::kAbsoluteAngle, pair ? 1 : kAll,
+                         fmt::format("{} {} not relative to the {}", later, pair ? "is" : "are",
+                                     pair ? "first segment" : "segments before"),
+                         change, sign),
                    relative, unit());
     }
   }

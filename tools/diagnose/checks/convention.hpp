@@ -54,9 +54,7 @@ class WrongConvention : public std::invalid_argument {
 struct ColumnNames {
   int joints = 1;
   std::vector<bool> slides{};  ///< of each joint; none slides where it is empty
-  bool turns(int joint) const {
-    return slides.empty() || !slides[static_cast<std::size_t>(joint)];
-  }
+  bool turns(int joint) const { return slides.empty() || !slides[static_cast<std::size_t>(joint)]; }
   std::string position(int joint) const;  ///< "q1_rad", "q1_rad and q2_rad"
   /// Of those that turn, or of those that slide.
   std::string position(int joint, bool turning) const;

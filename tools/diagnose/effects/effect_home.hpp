@@ -22,9 +22,9 @@ struct EffectHome {
   Shows shows = Shows::kVelocity;
   /// Parameters in proportion to which the torque grows. Those of one group grow together.
   std::vector<std::vector<std::string_view>> strengths{};
-  bool at_rest = false;     ///< postures at rest show it, too
-  bool of_patient = false;  ///< of a person's muscles and tissue, which no sliding joint has
-  bool of_knee = false;     ///< looked for on knees only; where there may be one: possible.hpp
+  bool at_rest = false;        ///< postures at rest show it, too
+  bool of_patient = false;     ///< of a person's muscles and tissue, which no sliding joint has
+  bool of_knee = false;        ///< looked for on knees only; where there may be one: possible.hpp
   bool along_segment = false;  ///< has a place along the joint's segment, which has to have a direction
   /// Appends the recipes, by which a fit looks for it; none where the motion could not show it. `channels`:
   /// EMG channels that were recorded, from 1.

@@ -69,8 +69,8 @@ struct Recipe {
   std::string label() const { return kind + "@" + std::to_string(joint + 1); }
 };
 
-/// Recipes of the named kinds for every joint of the mechanism that moves and may have them, scaled to the motion in the data. `channels`: EMG
-/// channels that were recorded; `smoothing_rad_s`: of each joint's dry friction.
+/// Recipes of the named kinds for every joint that moves and may have them, scaled to the motion in the data.
+/// `channels`: EMG channels that were recorded; `smoothing_rad_s`: of each joint's dry friction.
 std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data,
                                                    const model::MechanismDescription& description,
                                                    std::span<const std::string> kinds,

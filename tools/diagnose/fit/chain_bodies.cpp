@@ -11,13 +11,13 @@ namespace {
 
 constexpr Eigen::Index kPerBody = 10;
 /// Of x, for derivatives by differences to both sides: their errors are 1e-10 of the link's parameters.
-constexpr double kStep = 1e-5;
+constexpr double kDifference = 1e-5;
 /// What a number moves of a base parameter, as a part of what links of that size have of it, is rounding
 /// below this; and so is a singular value below this part of the largest.
-constexpr double kNothing = 1e-7;
+constexpr double kRounding = 1e-7;
 /// A link's mass is never moved by more than the exponential of this, nor another number by more, whatever
 /// the data say.
-constexpr double kLargest = 1.5;
+constexpr double kLargestLogarithm = 1.5;
 
 /// Standard parameters of a link as seen from a frame in which its own has these axes and origin.
 Eigen::Matrix<double, kPerBody, 1> standardOf(const model::ChainLink& link, const Eigen::Matrix3d& axes,
@@ -123,8 +123,8 @@ Eigen::MatrixXd ChainBodies::slopesOf(
   const Eigen::Index numbers = LinkBody::kNumbers * static_cast<Eigen::Index>(links_.size());
   Eigen::MatrixXd slopes(base_of_standard_.rows(), numbers);
   for (Eigen::Index k = 0; k < numbers; ++k) {
-    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(numbers, k);
-    slopes.col(k) = (base(step) - base(-step)) / (2.0 * kStep);
+    const Eigen::VectorXd step = kDifference * Eigen::VectorXd::Unit(numbers, k);
+    slopes.col(k) = (base(step) - base(-step)) / (2.0 * kDifference);
   }
   return slopes;
 }
@@ -144,7 +144,7 @@ void ChainBodies::findDirections() {
   const Eigen::VectorXd sizes = base_of_standard_.cwiseAbs() * standard;
   for (Eigen::Index row = 0; row < free.rows(); ++row) {
     const double spread = free.row(row).norm();
-    if (spread > kNothing * sizes[row]) {
+    if (spread > kRounding * sizes[row]) {
       told_.push_back(row);
       spread_.push_back(spread);
     }
@@ -159,7 +159,7 @@ void ChainBodies::findDirections() {
       slopes(told_, Eigen::all);
   const Eigen::JacobiSVD<Eigen::MatrixXd> decomposition(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& values = decomposition.singularValues();
-  const Eigen::Index rank = values.size() == 0 ? 0 : (values.array() > kNothing * values[0]).count();
+  const Eigen::Index rank = values.size() == 0 ? 0 : (values.array() > kRounding * values[0]).count();
   directions_ = decomposition.matrixV().leftCols(rank);
 }
 
@@ -192,7 +192,7 @@ model::BaseParameters ChainBodies::baseParameters(std::span<const double> z) con
 
 std::array<double, 2> ChainBodies::range(std::size_t /*index*/) const {
   // All links together may be as much too light as one alone.
-  const double largest = kLargest * std::sqrt(static_cast<double>(links_.size()));
+  const double largest = kLargestLogarithm * std::sqrt(static_cast<double>(links_.size()));
   return {-largest, largest};
 }
 

@@ -6,7 +6,7 @@
 namespace patella::diagnose {
 namespace {
 
-constexpr double kStep = 1e-4;
+constexpr double kRelativeStep = 1e-4;
 
 }  // namespace
 
@@ -15,7 +15,7 @@ Eigen::MatrixXd MechanismParameters::baseSlopes(std::span<const double> z) const
   Eigen::MatrixXd slopes(base.size(), static_cast<Eigen::Index>(count()));
   std::vector<double> moved(z.begin(), z.end());
   for (std::size_t i = 0; i < count(); ++i) {
-    const double step = z[i] + kStep <= range(i)[1] ? kStep : -kStep;
+    const double step = z[i] + kRelativeStep <= range(i)[1] ? kRelativeStep : -kRelativeStep;
     moved[i] = z[i] + step;
     slopes.col(static_cast<Eigen::Index>(i)) = (baseParameters(moved) - base) / step;
     moved[i] = z[i];
