@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 namespace patella::bench {
@@ -61,6 +62,13 @@ void setBody(Random& random, double length_m, bool planar, ChainLink& link) {
   link.com_m = {along * length_m, y, z};
 }
 
+// Symmetric root of a symmetric matrix.
+Matrix3d rootOf(const Matrix3d& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(matrix);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
 }  // namespace
 
 Body drawChain(Random& random, std::size_t joints, bool planar) {
@@ -100,10 +108,9 @@ model::SerialChainParameters wrongChain(Random& random, const model::SerialChain
       continue;
     }
     const double factor = 1.0 + drawn();
-    const double apart_m = link.com_m.norm();
-    for (double& place : link.com_m) {
-      place += apart_m * drawn();
-    }
+    const Matrix3d tensor = tensorOf(link) / link.mass_kg;
+    const Matrix3d moments = 0.5 * tensor.trace() * Matrix3d::Identity() - tensor;  // ∫ r rᵀ dm / m
+    const Matrix3d extent = rootOf(moments);
     Matrix3d stretch = Matrix3d::Identity();
     for (Eigen::Index i = 0; i < 3; ++i) {
       for (Eigen::Index k = 0; k <= i; ++k) {
@@ -111,10 +118,10 @@ model::SerialChainParameters wrongChain(Random& random, const model::SerialChain
         stretch(k, i) = stretch(i, k);
       }
     }
-    const Matrix3d tensor = tensorOf(link);
-    const Matrix3d moments = 0.5 * tensor.trace() * Matrix3d::Identity() - tensor;
-    const Matrix3d stretched = factor * stretch * moments * stretch;
+    const Matrix3d stretched = link.mass_kg * factor * extent * stretch * stretch * extent;
     setTensor(link, stretched.trace() * Matrix3d::Identity() - stretched);
+    const Vector3d shift{drawn(), drawn(), drawn()};
+    link.com_m += rootOf(moments + link.com_m * link.com_m.transpose()) * shift;
     link.mass_kg *= factor;
   }
   return wrong;

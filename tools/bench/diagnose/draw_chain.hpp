@@ -13,8 +13,9 @@ inline constexpr std::size_t kMostJoints = 7;
 /// across to gravity, and centres of mass in the plane.
 Body drawChain(Random& random, std::size_t joints, bool planar);
 
-/// As somebody measured it: each link another body that could be, with mass, centre of mass and inertia wrong
-/// by about `error` at most. Its second moments are stretched, so that they remain those of a body.
+/// As somebody measured it: each link another body that could be. Its mass is wrong by the part `error` at
+/// most, its second moments about the centre of mass are stretched by about as much, and its centre of mass
+/// is off by that part of the link's extent, which is the root of its second moments about the joint.
 model::SerialChainParameters wrongChain(Random& random, const model::SerialChainParameters& chain,
                                         double error);
 

@@ -17,7 +17,7 @@ struct CaseResult {
   Suite suite = Suite::kNone;
   std::string mechanism, motion;
   double duration_s = 0.0;
-  std::size_t joints = 0;
+  std::size_t joints = 1;
   std::vector<CaseEffect> effects;
   Truth truth;
   diagnose::Diagnosis diagnosis;  ///< without its curves
