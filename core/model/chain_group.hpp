@@ -26,6 +26,7 @@ class ChainGroup final : public Mechanism {
 
   ChainGroupParameters parameters() const;
   int chains() const noexcept { return static_cast<int>(chains_.size()); }
+  const SerialChain& chain(int index) const noexcept { return chains_[static_cast<std::size_t>(index)]; }
 
   int joints() const noexcept override { return joints_; }
   int dimensions() const noexcept override { return 3; }

@@ -1,5 +1,6 @@
 #include "core/model/model_description.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -26,9 +27,7 @@ std::unique_ptr<Mechanism> mechanismOf(const ChainGroupParameters& group) {
   return std::make_unique<ChainGroup>(group);
 }
 
-}  // namespace
-
-int ModelDescription::joints() const noexcept {
+int jointsOf(const MechanismDescription& mechanism) noexcept {
   if (const auto* chain = std::get_if<SerialChainParameters>(&mechanism)) {
     return chain->joints();
   }
@@ -36,6 +35,43 @@ int ModelDescription::joints() const noexcept {
     return group->joints();
   }
   return std::holds_alternative<PlanarTwoLinkParameters>(mechanism) ? 2 : 1;
+}
+
+/// Takes the chain's joints off `joint`, which is below 0 once it was found among them.
+bool slides(const SerialChainParameters& chain, int& joint) noexcept {
+  for (const ChainLink& link : chain.links) {
+    if (link.joint != ChainJoint::kFixed && joint-- == 0) {
+      return link.joint == ChainJoint::kPrismatic;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool isPrismatic(const MechanismDescription& mechanism, int joint) noexcept {
+  if (const auto* chain = std::get_if<SerialChainParameters>(&mechanism)) {
+    return slides(*chain, joint);
+  }
+  if (const auto* group = std::get_if<ChainGroupParameters>(&mechanism)) {
+    return std::any_of(group->chains.begin(), group->chains.end(), [&](const SerialChainParameters& chain) {
+      return joint >= 0 && slides(chain, joint);
+    });
+  }
+  return std::holds_alternative<PrismaticJointParameters>(mechanism);
+}
+
+bool isLinear(const MechanismDescription& mechanism) noexcept {
+  for (int joint = 0; joint < jointsOf(mechanism); ++joint) {
+    if (!isPrismatic(mechanism, joint)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+int ModelDescription::joints() const noexcept {
+  return jointsOf(mechanism);
 }
 
 DynamicsModel makeModel(const ModelDescription& description) {

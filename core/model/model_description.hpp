@@ -29,6 +29,11 @@ inline bool isSerialChain(const MechanismDescription& mechanism) noexcept {
          std::holds_alternative<ChainGroupParameters>(mechanism);
 }
 
+/// Whether the joint, from 0, slides: its position is in m and its torque in N.
+bool isPrismatic(const MechanismDescription& mechanism, int joint) noexcept;
+/// Whether every joint does.
+bool isLinear(const MechanismDescription& mechanism) noexcept;
+
 struct ModelDescription {
   MechanismDescription mechanism;
   std::vector<EffectDescription> effects;

@@ -54,8 +54,12 @@ class SerialChain final : public Mechanism {
   BaseParameters baseParameters() const noexcept override { return base_.values(); }
   Regressor regressor(const JointVector& q, const JointVector& dq,
                       const JointVector& ddq) const noexcept override;
-  /// As combinations of standard parameters, such as "ZZ1 + YY2 + 0.16 M2"; see chain::BaseParameterSet.
-  std::vector<std::string> baseParameterNames() const { return base_.names(); }
+  /// As combinations of standard parameters, such as "ZZ1 + YY2 + 0.16 M2", joints numbered from
+  /// `first_joint`; see chain::BaseParameterSet.
+  std::vector<std::string> baseParameterNames(int first_joint = 1) const { return base_.names(first_joint); }
+  /// baseParameters() as a linear function of the standard parameters of all bodies, of which one has ten; see
+  /// chain::BaseParameterSet.
+  const Eigen::MatrixXd& baseOfStandard() const noexcept { return base_.combination(); }
 
  private:
   Eigen::Vector3d segment(int joint) const noexcept;

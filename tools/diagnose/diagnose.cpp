@@ -56,7 +56,7 @@ Diagnosis undecided(const AnalysedRecordings& recordings, const model::ModelDesc
                     const std::string& reason, const DiagnoseOptions& options, Diagnosis diagnosis) {
   diagnosis.doubts.push_back({Doubt::kTooPoor, reason});
   leaveAsItWas(recordings.train, recordings.heldout, model, diagnosis);
-  settle(diagnosis, options.nominal_tolerance);
+  settle(diagnosis);
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   return diagnosis;
 }
@@ -66,8 +66,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                         const model::ModelDescription& model, const DiagnoseOptions& options) {
   Diagnosis diagnosis;
   diagnosis.seed = options.seed;
-  diagnosis.torque_unit =
-      std::holds_alternative<model::PrismaticJointParameters>(model.mechanism) ? "N" : "N·m";
+  diagnosis.torque_unit = model::isLinear(model.mechanism) ? "N" : "N·m";
   diagnosis.drive_timing = driveTiming(recordings);
   listInputs(recordings, diagnosis);
   listInputs(holdout, diagnosis);
@@ -97,7 +96,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
               noise_Nm, options, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(train, bare.mechanism(), whole.residual, noise_Nm, !options.person_Nm.empty(), diagnosis);
-  judgeExcitation(signals, train, fit, found.atoms, options.nominal_tolerance, diagnosis);
+  judgeExcitation(signals, train, fit, found.atoms, diagnosis);
   diagnosis.revealed =
       revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit), chanceOf(diagnosis, fit));
 
@@ -109,7 +108,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                  .extended = found.fitter->describe(fit),
                  .unexplained = whole.residual},
                 diagnosis);
-  settle(diagnosis, options.nominal_tolerance);
+  settle(diagnosis);
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   return diagnosis;
 }

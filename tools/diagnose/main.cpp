@@ -151,7 +151,7 @@ std::string heading(const Arguments& arguments, const Diagnosis& diagnosis) {
   text += fmt::format("with seed {}.", diagnosis.seed);
   for (const EffectFinding& effect : diagnosis.effects) {
     for (const ParameterEstimate& estimate : effect.parameters) {
-      text += fmt::format("\n{}: {}", effectWords(effect), estimateText(estimate, unitsOf(diagnosis)));
+      text += fmt::format("\n{}: {}", effectWords(effect), estimateText(estimate, unitsOf(diagnosis, effect.joint)));
     }
   }
   return text;
@@ -163,12 +163,6 @@ void run(Arguments& a) {
     a.recording.torque_timing = a.torque_timing == "held" ? TorqueTiming::kHeld : TorqueTiming::kSampled;
   }
   const model::ModelDescription model = app::loadModel(a.model);
-  if (model::isSerialChain(model.mechanism)) {
-    throw std::invalid_argument(fmt::format(
-        "--model: {}: mechanism.kind is 'serial_chain', expected 'planar_two_link', 'revolute' or "
-        "'prismatic'",
-        a.model.string()));
-  }
   a.recording.joints = model.joints();
   if (!a.options.person_Nm.empty() &&
       a.options.person_Nm.size() != static_cast<std::size_t>(model.joints())) {

@@ -149,10 +149,11 @@ Regressor BaseParameterSet::regressor(const RigidChain& chain, const JointVector
   return rows;
 }
 
-std::vector<std::string> BaseParameterSet::names() const {
+std::vector<std::string> BaseParameterSet::names(int first_joint) const {
   std::vector<std::string> names;
-  const auto nameOf = [](int column) {
-    return kNames[static_cast<std::size_t>(column % kPerBody)] + std::to_string(column / kPerBody + 1);
+  const auto nameOf = [first_joint](int column) {
+    return kNames[static_cast<std::size_t>(column % kPerBody)] +
+           std::to_string(column / kPerBody + first_joint);
   };
   for (int k = 0; k < count(); ++k) {
     const int own = kept_[static_cast<std::size_t>(k)];

@@ -34,10 +34,12 @@ class BaseParameterSet {
   Regressor regressor(const RigidChain& chain, const JointVector& q, const JointVector& dq,
                       const JointVector& ddq) const noexcept;
 
-  /// What each is made of. The number is the joint's, from 1; XX … ZZ are the inertia about the origin of the
+  /// What each is made of. The number is the joint's, from `first_joint`; XX … ZZ are the inertia about the origin of the
   /// joint's frame, kg·m², MX … MZ mass times centre of mass, kg·m, and M is the mass, kg; of all that moves
   /// as one with the joint's link, in the axes of that link.
-  std::vector<std::string> names() const;
+  std::vector<std::string> names(int first_joint = 1) const;
+  /// Base parameters x standard parameters, body after body: values() is this times those of the chain.
+  const Eigen::MatrixXd& combination() const noexcept { return combination_; }
 
  private:
   int joints_;

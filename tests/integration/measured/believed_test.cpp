@@ -50,6 +50,8 @@ std::vector<Rig> rigs() {
        2},
       {"measured/multiarm_pendulum", "map_double", "free_double_pendulum.toml",
        kMaps / "free_double_pendulum_model.toml", 1},
+      {"measured/multiarm_pendulum", "map_triple", "free_triple_pendulum.toml",
+       kMaps / "free_triple_pendulum_model.toml", 1},
   };
 }
 

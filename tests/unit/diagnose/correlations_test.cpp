@@ -30,7 +30,7 @@ TEST_CASE(
       0.018, 0.01, 0.004,          //
       0.0, 0.004, 0.04;
   const std::vector<std::string> names{"mass_kg"};
-  const Correlations found = correlationsOf(fit, names, covariance);
+  const Correlations found = correlationsOf(fit, names, Eigen::MatrixXd::Identity(1, 1), covariance);
   CHECK(found.parameters ==
         std::vector<std::string>{"mass_kg", "coulomb_friction@1 level_Nm", "torque_bias@2 bias_Nm"});
   REQUIRE(found.matrix.size() == 3);
@@ -47,7 +47,7 @@ TEST_CASE("a parameter without uncertainty correlates with nothing") {
   fit.mechanism = {0.0, 0.0};
   const std::vector<std::string> names{"mass_kg", "inertia_kg_m2"};
   const Correlations found =
-      correlationsOf(fit, names, Eigen::Vector2d(0.0, 1.0).asDiagonal().toDenseMatrix());
+      correlationsOf(fit, names, Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(0.0, 1.0).asDiagonal().toDenseMatrix());
   CHECK(std::isnan(found.matrix[0][1]));
   CHECK(found.matrix[1][1] == 1.0);
 }

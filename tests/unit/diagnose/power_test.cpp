@@ -126,8 +126,8 @@ TEST_CASE("a smallest size goes with a shape, that of the kind's plain variant")
   const ModelFit fit = fitter.nominal();
   const std::vector<std::string> kinds{"coulomb_friction", "actuator_delay"};
   constexpr double kSmoothing_rad_s = 0.05;
-  const Atoms atoms = recipeAtoms(fitter, recipes(data, model::makeModel(kModel).mechanism(), kinds, {},
-                                                  std::array{kSmoothing_rad_s}, false));
+  const Atoms atoms = recipeAtoms(fitter, recipes(data, kModel.mechanism, kinds, {},
+                                                  std::array{kSmoothing_rad_s}));
   const RestOfJoint rest{.torque_Nm = 3.0, .structure_Nm = 0.01, .noise_Nm = 0.05};
   const std::vector<Revealed> all =
       revealedBy(fitter, fit, atoms, std::array{rest}, {}, {.threshold = kThreshold, .margin = 10.0});

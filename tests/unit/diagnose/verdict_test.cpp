@@ -66,12 +66,12 @@ TEST_CASE("of several doubts the first that counts decides, in whatever order th
 TEST_CASE("a diagnosis says what decided, and what a found effect leaves") {
   Diagnosis diagnosis;
   diagnosis.doubts = {doubt(Doubt::kLargeRest)};
-  settle(diagnosis, 0.1);
+  settle(diagnosis);
   CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
   CHECK(diagnosis.explanation == "large_rest");
 
   diagnosis.effects.emplace_back();
-  settle(diagnosis, 0.1);
+  settle(diagnosis);
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
   CHECK(diagnosis.explanation.ends_with(" large_rest"));
 }
@@ -81,20 +81,20 @@ TEST_CASE("effects that explain less than what nothing explains are not asserted
   diagnosis.effects.emplace_back();
   diagnosis.effects.back().not_asserted_because = kOutweighedWords;
   diagnosis.doubts = {doubt(Doubt::kOutweighed)};
-  settle(diagnosis, 0.1);
+  settle(diagnosis);
   CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
 
   diagnosis.effects.emplace_back();
-  settle(diagnosis, 0.1);
+  settle(diagnosis);
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
 }
 
 TEST_CASE("an answer claims a held-out part only where there was one") {
   Diagnosis diagnosis;
   diagnosis.effects.emplace_back();
-  settle(diagnosis, 0.1);
+  settle(diagnosis);
   CHECK(diagnosis.explanation.find("held-out") == std::string::npos);
   diagnosis.before.heldout_rms_Nm = {0.1};
-  settle(diagnosis, 0.1);
+  settle(diagnosis);
   CHECK(diagnosis.explanation.find("held-out") != std::string::npos);
 }

@@ -180,7 +180,7 @@ Diagnosis madeUpDiagnosis() {
                  .torque_rms_Nm = 0.4,
                  .share_of_torque = 0.1}};
   d.unexplained = {{.joint = 0, .variable = "ddq1*q1", .explained_Nm = 0.02, .p_value = 0.02}};
-  d.nominal = {{.name = "mass_kg.1", .nominal = 7.2, .refitted = 7.31, .sd = 0.08}};
+  d.nominal = {{.name = "mass_kg.1", .nominal = 7.2, .refitted = 7.31, .sd = 0.08, .known_sd = 0.73, .tolerated = {5.9, 8.8}}};
   d.correlations = {
       .parameters = {"mass_kg[1]", "linear_stiffness@2 stiffness_Nm_rad", "coulomb_friction@2 level_Nm"},
       .matrix = {{1.0, 0.95, 0.1}, {0.95, 1.0, -0.3}, {0.1, -0.3, 1.0}}};

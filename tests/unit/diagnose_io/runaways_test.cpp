@@ -105,8 +105,17 @@ TEST_CASE("a model that was left as it was is named once") {
 
 TEST_CASE("a mechanism's parameter outside its tolerance is named with both values") {
   Diagnosis diagnosis = test::madeUpDiagnosis();
-  diagnosis.nominal = {{.name = "com_m[2]", .nominal = 0.2, .refitted = 0.24, .sd = 0.01},
-                       {.name = "mass_kg[2]", .nominal = 4.0, .refitted = 5.0, .sd = 0.1}};
+  const double widest = std::exp(0.2);
+  diagnosis.nominal = {{.name = "com_m[2]",
+                        .nominal = 0.2,
+                        .refitted = 0.24,
+                        .sd = 0.01,
+                        .tolerated = {0.2 / widest, 0.2 * widest}},
+                       {.name = "mass_kg[2]",
+                        .nominal = 4.0,
+                        .refitted = 5.0,
+                        .sd = 0.1,
+                        .tolerated = {4.0 / widest, 4.0 * widest}}};
   const auto found = of(diagnosis);
   REQUIRE(found.size() == 1);
   CHECK(found[0].what == "mass_kg[2]");

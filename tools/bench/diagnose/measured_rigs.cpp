@@ -32,6 +32,8 @@ std::vector<Rig> rigs(const fs::path& source) {
       {"measured/multiarm_pendulum", "map_single", "free_pendulum.toml", maps / "free_pendulum_model.toml"},
       {"measured/multiarm_pendulum", "map_double", "free_double_pendulum.toml",
        maps / "free_double_pendulum_model.toml"},
+      {"measured/multiarm_pendulum", "map_triple", "free_triple_pendulum.toml",
+       maps / "free_triple_pendulum_model.toml"},
   };
 }
 

@@ -96,7 +96,7 @@ class Known {
  public:
   explicit Known(const ColumnNames& names) : names_(names) {
     zeros_.emplace_back(JointVector::Zero(names.joints));
-    if (names.revolute) {
+    if (names.turns(0)) {
       for (const double sign : {-1.0, 1.0}) {
         zeros_.push_back(zeros_.front());
         zeros_.back()[0] = sign * 0.5 * std::numbers::pi;
@@ -178,14 +178,24 @@ class Known {
             .correct = {}};
   }
 
+  // All angles, or all ways on rails, may be in another unit together.
   void units(int joint) {
-    const std::span<const Unit> known =
-        names_.revolute ? std::span<const Unit>(kAngleUnits) : std::span<const Unit>(kLengthUnits);
-    for (const Unit& unit_of : known) {
-      addPositions(named(ConventionKind::kPositionUnit, joint,
-                         fmt::format("{} {} {}", names_.position(joint), names_.verb(joint), unit_of.name),
-                         q(joint) + unit_of.change, unit_of.recorded),
-                   scaled(joint, 1.0 / unit_of.recorded), unit());
+    for (const bool turning : {true, false}) {
+      JointMatrix concerned = JointMatrix::Zero(names_.joints, names_.joints);
+      for (int j = 0; j < names_.joints; ++j) {
+        concerned(j, j) = of(joint, j) && names_.turns(j) == turning ? 1.0 : 0.0;
+      }
+      if (concerned.isZero()) {
+        continue;
+      }
+      for (const Unit& unit_of :
+           turning ? std::span<const Unit>(kAngleUnits) : std::span<const Unit>(kLengthUnits)) {
+        addPositions(
+            named(ConventionKind::kPositionUnit, joint,
+                  fmt::format("{} {} {}", names_.position(joint, turning), names_.verb(joint), unit_of.name),
+                  q(joint) + unit_of.change, unit_of.recorded),
+            unit() + (1.0 / unit_of.recorded - 1.0) * concerned, unit());
+      }
     }
   }
 
@@ -264,11 +274,15 @@ Convention scaleConvention(int joint, double factor, std::string mistake, std::s
           .torque_only = true};
 }
 
-std::string columns(const char* stem, const char* unit, int joint, int joints) {
+// `which`: whether the joint's column is among them.
+template <typename Which>
+std::string columns(const ColumnNames& all, const char* stem, const char* turning, const char* sliding,
+                    Which which) {
   std::string names;
-  for (int j = 0; j < joints; ++j) {
-    if (of(joint, j)) {
-      names += fmt::format("{}{}{}{}", names.empty() ? "" : " and ", stem, j + 1, unit);
+  for (int j = 0; j < all.joints; ++j) {
+    if (which(j)) {
+      names += fmt::format("{}{}{}{}", names.empty() ? "" : " and ", stem, j + 1,
+                           all.turns(j) ? turning : sliding);
     }
   }
   return names;
@@ -277,11 +291,15 @@ std::string columns(const char* stem, const char* unit, int joint, int joints) {
 }  // namespace
 
 std::string ColumnNames::position(int joint) const {
-  return columns("q", revolute ? "_rad" : "_m", joint, joints);
+  return columns(*this, "q", "_rad", "_m", [=](int j) { return of(joint, j); });
+}
+
+std::string ColumnNames::position(int joint, bool turning) const {
+  return columns(*this, "q", "_rad", "_m", [=, this](int j) { return of(joint, j) && turns(j) == turning; });
 }
 
 std::string ColumnNames::torque(int joint) const {
-  return columns("tau", revolute ? "_Nm" : "_N", joint, joints);
+  return columns(*this, "tau", "_Nm", "_N", [=](int j) { return of(joint, j); });
 }
 
 std::vector<Convention> knownConventions(const ColumnNames& names) {
@@ -336,7 +354,7 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
 
 std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
   const std::span<const Unit> units =
-      names.revolute ? std::span<const Unit>(kTorqueUnits) : std::span<const Unit>(kForceUnits);
+      names.turns(std::max(joint, 0)) ? std::span<const Unit>(kTorqueUnits) : std::span<const Unit>(kForceUnits);
   std::vector<Convention> all;
   for (const Unit& unit : units) {
     all.push_back(scaleConvention(joint, unit.recorded,

@@ -53,8 +53,13 @@ class WrongConvention : public std::invalid_argument {
 /// Names of columns, as messages have them.
 struct ColumnNames {
   int joints = 1;
-  bool revolute = true;
+  std::vector<bool> slides{};  ///< of each joint; none slides where it is empty
+  bool turns(int joint) const {
+    return slides.empty() || !slides[static_cast<std::size_t>(joint)];
+  }
   std::string position(int joint) const;  ///< "q1_rad", "q1_rad and q2_rad"
+  /// Of those that turn, or of those that slide.
+  std::string position(int joint, bool turning) const;
   std::string torque(int joint) const;
   const char* verb(int joint) const { return joint < 0 ? "are" : "is"; }
 };

@@ -142,8 +142,11 @@ double percentExplained(double error) {
 }  // namespace
 
 ColumnNames columnNames(const model::ModelDescription& model) {
-  return {.joints = model.joints(),
-          .revolute = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism)};
+  ColumnNames names{.joints = model.joints()};
+  for (int joint = 0; joint < names.joints; ++joint) {
+    names.slides.push_back(model::isPrismatic(model.mechanism, joint));
+  }
+  return names;
 }
 
 std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names) {
@@ -173,7 +176,7 @@ std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const C
     }
     all.push_back(
         bestOn(kShifts, reader, given, [&](double late_s) { return shiftConvention(names, joint, late_s); }));
-    if (joint >= 0 && names.revolute) {
+    if (joint >= 0 && names.turns(joint)) {
       all.push_back(bestOn(kZeros, reader, given,
                            [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); }));
     }
@@ -246,7 +249,10 @@ void requireAngles(const Recording& recording, const model::ModelDescription& mo
   const ColumnNames names = columnNames(model);
   std::string beyond;
   double largest = 0.0;
-  for (int joint = 0; joint < recording.joints && names.revolute; ++joint) {
+  for (int joint = 0; joint < recording.joints; ++joint) {
+    if (!names.turns(joint)) {
+      continue;
+    }
     const auto& q = recording.position_rad[static_cast<std::size_t>(joint)];
     const auto farthest =
         std::max_element(q.begin(), q.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });

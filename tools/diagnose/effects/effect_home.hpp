@@ -23,8 +23,9 @@ struct EffectHome {
   /// Parameters in proportion to which the torque grows. Those of one group grow together.
   std::vector<std::vector<std::string_view>> strengths{};
   bool at_rest = false;     ///< postures at rest show it, too
-  bool of_patient = false;  ///< of a leg's muscles and tissue: looked for where there is a leg
-  bool of_knee = false;     ///< looked for on the last joint only
+  bool of_patient = false;  ///< of a person's muscles and tissue, which no sliding joint has
+  bool of_knee = false;     ///< looked for on knees only; where there may be one: possible.hpp
+  bool along_segment = false;  ///< has a place along the joint's segment, which has to have a direction
   /// Appends the recipes, by which a fit looks for it; none where the motion could not show it. `channels`:
   /// EMG channels that were recorded, from 1.
   std::function<void(const Motion& motion, std::span<const int> channels, std::vector<Recipe>& all)> add;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/effect_home.hpp"
+#include "tools/diagnose/effects/possible.hpp"
 #include "tools/diagnose/effects/recipe_parts.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
 
@@ -67,11 +68,14 @@ std::shared_ptr<const Recipe> finished(Recipe recipe) {
   return std::make_shared<const Recipe>(std::move(recipe));
 }
 
-std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
+std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data,
+                                                   const model::MechanismDescription& description,
                                                    std::span<const std::string> kinds,
                                                    std::span<const int> channels,
-                                                   std::span<const double> smoothing_rad_s, bool leg) {
+                                                   std::span<const double> smoothing_rad_s) {
   constexpr double kAtRest = 1e-4;
+  const model::DynamicsModel bare = model::makeModel({.mechanism = description, .effects = {}});
+  const model::Mechanism& mechanism = bare.mechanism();
   const std::vector<bool> driven = drivenJoints(data, mechanism);
   std::vector<Recipe> all;
   for (int joint = 0; joint < data.joints(); ++joint) {
@@ -79,10 +83,9 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const mo
     motion.smoothing_rad_s = smoothing_rad_s[static_cast<std::size_t>(joint)];
     for (const std::string& kind : kinds) {
       const EffectHome& home = effectHome(kind);
-      const bool somewhere_else = home.of_knee && joint + 1 != data.joints();
       const bool shown = data.isStatic() ? home.at_rest : motion.velocity_rms > kAtRest;
       const bool acts = driven[static_cast<std::size_t>(joint)] || !needsDrive(home);
-      if (!somewhere_else && (leg || !home.of_patient) && shown && acts) {
+      if (shown && acts && mayHave(home, description, joint)) {
         home.add(motion, channels, all);
       }
     }

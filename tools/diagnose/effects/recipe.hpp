@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/model/model_description.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose {
@@ -68,13 +69,13 @@ struct Recipe {
   std::string label() const { return kind + "@" + std::to_string(joint + 1); }
 };
 
-/// Recipes of the named kinds for every joint that moves, scaled to the motion in the data. `channels`: EMG
-/// channels that were recorded; `smoothing_rad_s`: of each joint's dry friction; `leg`: the mechanism may
-/// carry a patient's, whose muscles and tissue count.
-std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data, const model::Mechanism& mechanism,
+/// Recipes of the named kinds for every joint of the mechanism that moves and may have them, scaled to the motion in the data. `channels`: EMG
+/// channels that were recorded; `smoothing_rad_s`: of each joint's dry friction.
+std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data,
+                                                   const model::MechanismDescription& description,
                                                    std::span<const std::string> kinds,
                                                    std::span<const int> channels,
-                                                   std::span<const double> smoothing_rad_s, bool leg);
+                                                   std::span<const double> smoothing_rad_s);
 
 /// Coulomb friction alone, at this smoothing velocity.
 std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s);

@@ -186,6 +186,7 @@ std::vector<EffectHome> machineEffects() {
        .shows = Shows::kPosition,
        .strengths = {{"mass_kg"}},
        .at_rest = true,
+       .along_segment = true,
        .add = [](const Motion& motion, std::span<const int>,
                  std::vector<Recipe>& all) { all.push_back(payload(motion)); }},
       {.kind = "rotor_inertia",

@@ -11,7 +11,6 @@
 
 #include "tools/diagnose/effects/declared.hpp"
 #include "tools/diagnose/fit/edges.hpp"
-#include "tools/diagnose/fit/physical_parameters.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
 
 namespace patella::diagnose {
@@ -19,14 +18,7 @@ namespace {
 
 /// Numbers in kept bases before the store is emptied: those of a search and of one fit have room in it.
 constexpr Eigen::Index kCachedNumbers = 25'000'000;
-/// A nominal parameter is never moved by more than this factor, whatever the data say.
-constexpr double kLargestLogarithm = 1.5;
-constexpr double kRelativeStep = 1e-4;
 constexpr int kIterations = 25;
-
-model::BaseParameters baseParameters(const model::MechanismDescription& mechanism) {
-  return model::makeModel({.mechanism = mechanism, .effects = {}}).mechanism().baseParameters();
-}
 
 std::string cacheKey(const Recipe& recipe, std::span<const double> nu) {
   std::string key = recipe.label() + recipe.variant;
@@ -128,17 +120,10 @@ class ModelFitter::Cost final : public ceres::CostFunction {
 ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nominal,
                          const FitOptions& options)
     : data_(&data), nominal_(nominal), options_(options) {
-  model::MechanismDescription mechanism = nominal.mechanism;
-  for (const PhysicalParameter& parameter : physicalParameters(mechanism)) {
-    names_.push_back(parameter.name);
-    values_.push_back(*parameter.value);
-    // The result must be a model that can be read again.
-    const double room = std::log(parameter.bound.maximum / *parameter.value);
-    largest_logarithm_.push_back(std::min(kLargestLogarithm, room));
-  }
   const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal.mechanism, .effects = {}});
   regressor_ = data.regressor(dynamics.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
+  mechanism_ = mechanismParameters(nominal.mechanism, torque_.isZero(0.0));
   for (const double load_Nm : loads_Nm(data, torque_, regressor_, dynamics.mechanism().baseParameters())) {
     least_torque_Nm_.push_back(accepted::kLeastOfLoad * load_Nm);
   }
@@ -153,7 +138,7 @@ Eigen::VectorXd ModelFitter::unexplained(const ModelFit& fit) {
 }
 
 Eigen::VectorXd ModelFitter::toGive(const ModelFit& fit) {
-  Eigen::VectorXd sum = fixed_torque_ + regressorOf(fit) * baseParameters(mechanismAt(fit.mechanism));
+  Eigen::VectorXd sum = fixed_torque_ + regressorOf(fit) * mechanism_->baseParameters(fit.mechanism);
   for (const Term& term : fit.terms) {
     if (!term.recipe->scales_all && !term.recipe->shifts_angle) {
       sum += torque(term);
@@ -188,35 +173,6 @@ void ModelFitter::addDeclared(const model::ModelDescription& nominal) {
       fixed_torque_ += data_->modelTorque(whole) - data_->modelTorque(bare);
     }
   }
-}
-
-std::vector<double> ModelFitter::atNominalScale(std::span<const double> logarithms) const {
-  std::vector<double> scaled(logarithms.begin(), logarithms.end());
-  if (!torque_.isZero(0.0)) {
-    return scaled;
-  }
-  const auto weighs = [&](std::size_t i) { return names_[i].find("_kg") != std::string::npos; };
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < scaled.size(); ++i) {
-    sum += weighs(i) ? scaled[i] : 0.0;
-    count += weighs(i) ? 1 : 0;
-  }
-  for (std::size_t i = 0; i < scaled.size(); ++i) {
-    scaled[i] -= weighs(i) ? sum / static_cast<double>(count) : 0.0;
-  }
-  return scaled;
-}
-
-model::MechanismDescription ModelFitter::mechanismAt(std::span<const double> logarithms) const {
-  model::MechanismDescription mechanism = nominal_.mechanism;
-  const std::vector<PhysicalParameter> parameters = physicalParameters(mechanism);
-  const std::vector<double> scaled = atNominalScale(logarithms);
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto& [name, value, range] = parameters[i];
-    *value = std::clamp(*value * std::exp(scaled[i]), range.minimum, range.maximum);
-  }
-  return mechanism;
 }
 
 Eigen::MatrixXd ModelFitter::shift(int joint, double angle_rad) {
@@ -288,17 +244,8 @@ void ModelFitter::linearise(ModelFit& fit) {
   fit.residual = torque_ - scaled(fit, to_give);
   fit.tangent.resize(torque_.size(), fit.prior_weight.size());
   const auto mechanisms = static_cast<Eigen::Index>(fit.mechanism.size());
-  const Eigen::MatrixXd regressor = regressorOf(fit);
-  const model::BaseParameters base = baseParameters(mechanismAt(fit.mechanism));
-  for (Eigen::Index i = 0; i < mechanisms; ++i) {
-    std::vector<double> moved = fit.mechanism;
-    double& logarithm = moved[static_cast<std::size_t>(i)];
-    const bool room = logarithm + kRelativeStep <= largest_logarithm_[static_cast<std::size_t>(i)];
-    const double step = room ? kRelativeStep : -kRelativeStep;
-    logarithm += step;
-    const model::BaseParameters slope = (baseParameters(mechanismAt(moved)) - base) / step;
-    fit.tangent.col(i) = regressor * slope;
-  }
+  const model::BaseParameters base = mechanism_->baseParameters(fit.mechanism);
+  fit.tangent.leftCols(mechanisms).noalias() = regressorOf(fit) * mechanism_->baseSlopes(fit.mechanism);
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     const Term& term = fit.terms[t];
     const Eigen::MatrixXd columns = basis(*term.recipe, term.nu);
@@ -343,7 +290,8 @@ void ModelFitter::solve(ModelFit& fit, const Weighting& weighting) {
     value = std::clamp(value, lower, upper);
   };
   for (std::size_t i = 0; i < fit.mechanism.size(); ++i) {
-    bound(static_cast<Eigen::Index>(i), -kLargestLogarithm, largest_logarithm_[i]);
+    const auto [lower, upper] = mechanism_->range(i);
+    bound(static_cast<Eigen::Index>(i), lower, upper);
   }
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     const Recipe& recipe = *fit.terms[t].recipe;
@@ -364,12 +312,12 @@ void ModelFitter::solve(ModelFit& fit, const Weighting& weighting) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   Cost::scatter(parameters, fit);
-  fit.mechanism = atNominalScale(fit.mechanism);
+  fit.mechanism = mechanism_->settled(fit.mechanism);
 }
 
 ModelFit ModelFitter::nominal() {
   ModelFit start;
-  start.mechanism.assign(values_.size(), 0.0);
+  start.mechanism.assign(mechanism_->count(), 0.0);
   start.terms = declared_;
   const Weighting weighting(*data_, unexplained(start));
   const ModelFit first = fit(std::move(start), weighting);
@@ -432,7 +380,7 @@ std::vector<double> ModelFitter::effectParameters(const Term& term) {
 }
 
 model::ModelDescription ModelFitter::describe(const ModelFit& fit) const {
-  model::ModelDescription description{.mechanism = mechanismAt(fit.mechanism), .effects = fixed_};
+  model::ModelDescription description{.mechanism = mechanism_->at(fit.mechanism), .effects = fixed_};
   for (const Term& term : fit.terms) {
     description.effects.push_back(
         {.kind = term.recipe->kind, .joint = term.recipe->joint, .parameters = effectParameters(term)});

@@ -15,6 +15,7 @@
 #include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/fit/angle_shift.hpp"
 #include "tools/diagnose/fit/edges.hpp"
+#include "tools/diagnose/fit/mechanism_parameters.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/noise_model.hpp"
 #include "tools/diagnose/thresholds.hpp"
@@ -33,7 +34,7 @@ struct Term {
 
 /// A set of effects with their estimates, and how well it explains the data.
 struct ModelFit {
-  std::vector<double> mechanism;  ///< logarithms of the ratios to the nominal physical parameters
+  std::vector<double> mechanism;  ///< z of MechanismParameters, 0 for the nominal one
   std::vector<Term> terms;
   double objective = 0.0;  ///< under `weighting`; comparable between fits of the same weighting
   std::shared_ptr<const Weighting> weighting;  ///< scaled to this fit's own residual
@@ -84,17 +85,12 @@ class ModelFitter {
   /// Torque that a term takes from the drives, as a Column.
   Eigen::VectorXd torque(const Term& term);
 
-  /// Names and nominal values of the mechanism's parameters, in the order of ModelFit::mechanism.
-  const std::vector<std::string>& mechanismNames() const noexcept { return names_; }
-  const std::vector<double>& mechanismValues() const noexcept { return values_; }
+  /// What ModelFit::mechanism means.
+  const MechanismParameters& mechanism() const noexcept { return *mechanism_; }
+  const FitOptions& options() const noexcept { return options_; }
 
  private:
   class Cost;
-  /// Where no joint is driven, masses, moments and inertias larger by one factor move alike, and smaller ones
-  /// leave less torque unexplained: the mean of their logarithms stays at what the model says. Driven
-  /// machines: as given.
-  std::vector<double> atNominalScale(std::span<const double> logarithms) const;
-  model::MechanismDescription mechanismAt(std::span<const double> logarithms) const;
   /// Addition of Recipe::shifts_angle to the mechanism's regressor.
   Eigen::MatrixXd shift(int joint, double angle_rad);
   /// Regressor of the mechanism where it stands.
@@ -112,11 +108,8 @@ class ModelFitter {
   const Dataset* data_;
   model::ModelDescription nominal_;
   FitOptions options_;
-  std::vector<std::string> names_;
-  std::vector<double> values_;
-  std::vector<double> largest_logarithm_;  ///< by which a value may grow
+  std::unique_ptr<MechanismParameters> mechanism_;
   std::vector<double> least_torque_Nm_;
-  std::unique_ptr<model::Mechanism> mechanism_;  ///< nominal; effects that need one use it
   Eigen::MatrixXd regressor_;
   Eigen::VectorXd torque_;
   Eigen::VectorXd nominal_torque_;

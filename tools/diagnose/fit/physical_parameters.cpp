@@ -1,17 +1,27 @@
 #include "tools/diagnose/fit/physical_parameters.hpp"
 
-#include <stdexcept>
+#include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include <fmt/format.h>
 
-namespace patella::diagnose {
+#include "core/bounds/bounds.hpp"
 
-std::vector<PhysicalParameter> physicalParameters(model::MechanismDescription& mechanism) {
-  if (model::isSerialChain(mechanism)) {
-    throw std::invalid_argument(
-        "diagnosis: a model of kind 'serial_chain', expected 'planar_two_link', 'revolute' or 'prismatic'");
-  }
+namespace patella::diagnose {
+namespace {
+
+/// A nominal parameter is never moved by more than this factor, whatever the data say.
+constexpr double kLargestLogarithm = 1.5;
+
+struct PhysicalParameter {
+  std::string name;  ///< as in the model's file, with the link's number: "com_m[2]"
+  double* value;
+  Bound bound;  ///< that a model file has to keep
+};
+
+// Those of `mechanism`, which must outlive them; without those that are zero, which have no ratio.
+std::vector<PhysicalParameter> parametersOf(model::MechanismDescription& mechanism) {
   std::vector<PhysicalParameter> all;
   if (auto* leg = std::get_if<model::PlanarTwoLinkParameters>(&mechanism)) {
     for (std::size_t link = 0; link < 2; ++link) {
@@ -30,6 +40,78 @@ std::vector<PhysicalParameter> physicalParameters(model::MechanismDescription& m
   }
   std::erase_if(all, [](const PhysicalParameter& item) { return *item.value == 0.0; });
   return all;
+}
+
+}  // namespace
+
+PhysicalParameters::PhysicalParameters(const model::MechanismDescription& nominal, bool keeps_scale)
+    : nominal_(nominal), keeps_scale_(keeps_scale) {
+  model::MechanismDescription mechanism = nominal;
+  for (const PhysicalParameter& parameter : parametersOf(mechanism)) {
+    names_.push_back(parameter.name);
+    values_.push_back(*parameter.value);
+    // The result must be a model that can be read again.
+    const double room = std::log(parameter.bound.maximum / *parameter.value);
+    largest_logarithm_.push_back(std::min(kLargestLogarithm, room));
+  }
+}
+
+std::vector<double> PhysicalParameters::settled(std::span<const double> z) const {
+  std::vector<double> scaled(z.begin(), z.end());
+  if (!keeps_scale_) {
+    return scaled;
+  }
+  const auto weighs = [&](std::size_t i) { return names_[i].find("_kg") != std::string::npos; };
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < scaled.size(); ++i) {
+    sum += weighs(i) ? scaled[i] : 0.0;
+    count += weighs(i) ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < scaled.size(); ++i) {
+    scaled[i] -= weighs(i) ? sum / static_cast<double>(count) : 0.0;
+  }
+  return scaled;
+}
+
+model::MechanismDescription PhysicalParameters::at(std::span<const double> z) const {
+  model::MechanismDescription mechanism = nominal_;
+  const std::vector<PhysicalParameter> parameters = parametersOf(mechanism);
+  const std::vector<double> scaled = settled(z);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto& [name, value, range] = parameters[i];
+    *value = std::clamp(*value * std::exp(scaled[i]), range.minimum, range.maximum);
+  }
+  return mechanism;
+}
+
+model::BaseParameters PhysicalParameters::baseParameters(std::span<const double> z) const {
+  return model::makeModel({.mechanism = at(z), .effects = {}}).mechanism().baseParameters();
+}
+
+std::array<double, 2> PhysicalParameters::range(std::size_t index) const {
+  return {-kLargestLogarithm, largest_logarithm_[index]};
+}
+
+std::vector<NamedParameter> PhysicalParameters::named(std::span<const double> z) const {
+  std::vector<NamedParameter> all;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    const double value = values_[i] * std::exp(z[i]);
+    all.push_back({.name = names_[i],
+                   .nominal = values_[i],
+                   .value = value,
+                   .spread = std::abs(value),
+                   .is_ratio = true});
+  }
+  return all;
+}
+
+Eigen::MatrixXd PhysicalParameters::namedSlopes(std::span<const double> z) const {
+  Eigen::VectorXd slopes(static_cast<Eigen::Index>(z.size()));
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    slopes[static_cast<Eigen::Index>(i)] = values_[i] * std::exp(z[i]);
+  }
+  return slopes.asDiagonal();
 }
 
 }  // namespace patella::diagnose

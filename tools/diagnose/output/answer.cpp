@@ -79,7 +79,7 @@ std::string errorLine(const Diagnosis& diagnosis, std::size_t joint) {
     return numberAt(heldout ? error.heldout_rms_Nm : error.train_rms_Nm, joint);
   };
   return fmt::format("  error of joint {}{}, {}: {} as given, {} refitted, {} extended; noise floor {}",
-                     joint + 1, heldout ? " on held-out data" : "", unitsOf(diagnosis).torque,
+                     joint + 1, heldout ? " on held-out data" : "", unitsOf(diagnosis, static_cast<int>(joint)).torque,
                      rms(diagnosis.before), rms(diagnosis.refitted), rms(diagnosis.after),
                      numberAt(diagnosis.noise_floor_Nm, joint));
 }
@@ -90,7 +90,7 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
   out << verdictWords(diagnosis.verdict) << ". " << diagnosis.explanation << "\n";
   const std::size_t shown = std::min(diagnosis.effects.size(), kShownEffects);
   for (std::size_t i = 0; i < shown; ++i) {
-    out << effectLine(diagnosis.effects[i], unitsOf(diagnosis)) << "\n";
+    out << effectLine(diagnosis.effects[i], unitsOf(diagnosis, diagnosis.effects[i].joint)) << "\n";
   }
   if (diagnosis.effects.size() > shown) {
     out << "  and " << diagnosis.effects.size() - shown << " more\n";

@@ -75,10 +75,14 @@ Json describeUnexplained(const Dependence& dependence) {
 }
 
 Json describeNominal(const RefittedParameter& parameter) {
-  return {{"name", parameter.name},
-          {"nominal", parameter.nominal},
-          {"refitted", parameter.refitted},
-          {"sd", parameter.sd}};
+  Json json{{"name", parameter.name},
+            {"nominal", parameter.nominal},
+            {"refitted", parameter.refitted},
+            {"sd", parameter.sd}};
+  if (!parameter.made_of.empty()) {
+    json["combination"] = parameter.made_of;
+  }
+  return json;
 }
 
 Json describeRunaway(const Runaway& runaway) {

@@ -78,7 +78,7 @@ std::string verdictText(const Diagnosis& diagnosis) {
     text += "<li><b>" + escaped(effectWords(effect)) + "</b>";
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
       const ParameterEstimate& estimate = effect.parameters[i];
-      text += (i == 0 ? ": " : ", ") + escaped(estimateText(estimate, unitsOf(diagnosis))) +
+      text += (i == 0 ? ": " : ", ") + escaped(estimateText(estimate, unitsOf(diagnosis, effect.joint))) +
               mark(diagnosis, fmt::format("{}@{} {}", effect.kind, effect.joint + 1, estimate.name));
     }
     text += fmt::format(" <span class=\"note\">p = {:.2g}, {:.4g} nats</span>", effect.p_value, effect.gain);
@@ -143,7 +143,8 @@ std::string nominalTable(const Diagnosis& diagnosis) {
       .title = "Nominal parameters", .header = {"", "given", "refitted", "sd", "change / %"}, .rows = {}};
   for (const RefittedParameter& parameter : diagnosis.nominal) {
     const double change = 100.0 * (parameter.refitted / parameter.nominal - 1.0);
-    table.rows.push_back({parameter.name, fmt::format("{:.4g}", parameter.nominal),
+    table.rows.push_back({parameter.made_of.empty() ? parameter.name : parameter.made_of,
+                          fmt::format("{:.4g}", parameter.nominal),
                           fmt::format("{:.4g}", parameter.refitted), fmt::format("{:.2g}", parameter.sd),
                           std::isfinite(change) ? fmt::format("{:+.1f}", change) : "–"});
     table.marks.push_back(mark(diagnosis, parameter.name));

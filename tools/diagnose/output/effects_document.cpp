@@ -62,7 +62,7 @@ std::string effectSection(const model::EffectDescriptor& effect) {
                                  home.what, effect.equation, variableWords(home.shows),
                                  home.at_rest ? "; postures at rest show it, too" : "");
   if (home.of_patient) {
-    text += fmt::format("- Looked for on a leg only{}\n", home.of_knee ? ", on its last joint" : "");
+    text += fmt::format("- Looked for on joints that turn{}\n", home.of_knee ? " in the plane of the joint before: knees" : " only");
   }
   if (const auto simpler = simplerKinds(home); !simpler.empty()) {
     text += fmt::format("- Stands in place of: {}\n", fmt::join(simpler, ", "));

@@ -27,7 +27,7 @@ const control::MultisineMotion& wavesOf(const MotionPlan& plan, int joint) {
 }
 
 Units unitsOf(const PlanRequest& request) {
-  return std::holds_alternative<model::PrismaticJointParameters>(request.model.mechanism)
+  return model::isLinear(request.model.mechanism)
              ? Units{.position = "m", .torque = "N"}
              : Units{};
 }

@@ -69,7 +69,7 @@ Eigen::MatrixXd torqueOf(const MotionPlan& plan, const PlanRequest& request) {
 }  // namespace
 
 std::string planPage(const MotionPlan& plan, const PlanRequest& request) {
-  const bool linear = std::holds_alternative<model::PrismaticJointParameters>(request.model.mechanism);
+  const bool linear = model::isLinear(request.model.mechanism);
   const SampledMotion& motion = plan.motion.sampled;
   const Eigen::MatrixXd torque_Nm = torqueOf(plan, request);
   std::vector<Figure> figures;

@@ -10,6 +10,7 @@
 
 #include "firmware_app/files/wording.hpp"
 #include "tools/diagnose/effects/effect_home.hpp"
+#include "tools/diagnose/effects/possible.hpp"
 #include "tools/diagnose/effects/recipe_parts.hpp"
 
 namespace patella::diagnose {
@@ -49,11 +50,6 @@ std::vector<std::string> plannableKinds() {
     }
   }
   return kinds;
-}
-
-bool actsOn(const EffectHome& home, int joint, const model::ModelDescription& model) {
-  const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
-  return (leg || !home.of_patient) && (!home.of_knee || joint + 1 == model.joints());
 }
 
 struct Name {
@@ -108,21 +104,13 @@ std::vector<PlannedEffect> plannedEffects(std::span<const std::string> names,
   const std::vector<std::string> every = plannableKinds();
   const model::DynamicsModel dynamics = model::makeModel({.mechanism = model.mechanism, .effects = {}});
   std::vector<PlannedEffect> effects;
-  // A load has no place on a joint whose next one sits where it does: then it throws where `asked` by name.
-  const auto add = [&](const std::string& kind, int joint, bool asked) {
+  const auto add = [&](const std::string& kind, int joint) {
     std::vector<Recipe> variants;
     effectHome(kind).add(typicalMotion(joint, limits, dynamics.mechanism(), duration_s), {}, variants);
     const bool known = std::any_of(effects.begin(), effects.end(), [&](const PlannedEffect& effect) {
       return effect.recipe->kind == kind && effect.recipe->joint == joint;
     });
     if (!variants.empty() && !known) {
-      if (kind == "payload" && !dynamics.mechanism().hasSegment(joint)) {
-        if (asked) {
-          throw std::invalid_argument(fmt::format(
-              "--effects: value 'payload@{}', expected a joint whose segment has a length", joint + 1));
-        }
-        return;
-      }
       const std::shared_ptr<const Recipe> plain = finished(std::move(variants.front()));
       effects.push_back({.recipe = plain, .nu = plain->grid[plain->grid.size() / 2]});
     }
@@ -130,14 +118,15 @@ std::vector<PlannedEffect> plannedEffects(std::span<const std::string> names,
   for (const std::string& text : all ? std::span<const std::string>(every) : names) {
     const Name name = parsed(text, model.joints());
     const EffectHome& home = effectHome(name.kind);
-    if (name.joint && !actsOn(home, *name.joint, model)) {
-      throw std::invalid_argument(
-          fmt::format("--effects: value '{}', expected a joint on which it may act{}", text,
-                      home.of_knee ? ": the last one of a leg" : ": it is one of a leg"));
+    if (name.joint && !mayHave(home, model.mechanism, *name.joint)) {
+      const char* expected = home.along_segment ? "a joint whose segment has a length"
+                             : home.of_knee ? "a joint on which it may act: one that turns in the plane of the one before"
+                                            : "a joint on which it may act: one that turns";
+      throw std::invalid_argument(fmt::format("--effects: value '{}', expected {}", text, expected));
     }
     for (int joint = 0; joint < model.joints(); ++joint) {
-      if (name.joint.value_or(joint) == joint && actsOn(home, joint, model)) {
-        add(name.kind, joint, name.joint.has_value());
+      if (name.joint.value_or(joint) == joint && mayHave(home, model.mechanism, joint)) {
+        add(name.kind, joint);
       }
     }
   }

@@ -135,9 +135,14 @@ struct Dependence {
 
 struct RefittedParameter {
   std::string name;
+  std::string made_of{};  ///< "ZZ1 + 0.0529 M2" for a base parameter of a chain; empty otherwise
   double nominal = 0.0;
   double refitted = 0.0;
   double sd = 0.0;
+  double known_sd = 0.0;              ///< standard deviation before the recording was looked at
+  std::array<double, 2> tolerated{};  ///< where it is within its tolerance
+  bool is_ratio = true;               ///< its tolerance is a factor
+  bool isBeyond() const noexcept { return refitted < tolerated[0] || refitted > tolerated[1]; }
 };
 
 /// Correlations of the errors of parameters that were fitted together.

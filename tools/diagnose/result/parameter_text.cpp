@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <variant>
 
 #include <fmt/format.h>
 
@@ -36,6 +35,8 @@ constexpr std::array<UnitEnding, 14> kUnits{{
     {"_s", "s", "s"},
 }};
 
+const Units kLinear{.position = "m", .torque = "N"};
+
 std::string words(std::string_view name) {
   std::string text(name);
   std::replace(text.begin(), text.end(), '_', ' ');
@@ -51,9 +52,12 @@ std::string twoDigits(double value) {
 }  // namespace
 
 Units unitsOf(const Diagnosis& diagnosis) {
-  const bool linear = diagnosis.torque_unit == "N" ||
-                      std::holds_alternative<model::PrismaticJointParameters>(diagnosis.extended.mechanism);
-  return linear ? Units{.position = "m", .torque = "N"} : Units{};
+  const bool linear = diagnosis.torque_unit == "N" || model::isLinear(diagnosis.extended.mechanism);
+  return linear ? kLinear : Units{};
+}
+
+Units unitsOf(const Diagnosis& diagnosis, int joint) {
+  return model::isPrismatic(diagnosis.extended.mechanism, joint) ? kLinear : unitsOf(diagnosis);
 }
 
 ParameterName splitName(std::string_view name, const Units& units) {

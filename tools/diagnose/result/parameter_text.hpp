@@ -20,8 +20,10 @@ struct Units {
   std::string torque = "N·m";
 };
 
-/// m and N where the mechanism is a linear axis, whose parameters bear the names of a rotating joint's.
+/// m and N where all joints slide, whose parameters bear the names of a rotating joint's.
 Units unitsOf(const Diagnosis& diagnosis);
+/// Of one joint, from 0.
+Units unitsOf(const Diagnosis& diagnosis, int joint);
 
 /// Takes the unit off a name of a model file: "smoothing_velocity_rad_s".
 ParameterName splitName(std::string_view name, const Units& units = {});

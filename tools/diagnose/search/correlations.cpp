@@ -10,13 +10,14 @@
 namespace patella::diagnose {
 
 Correlations correlationsOf(const ModelFit& fit, std::span<const std::string> mechanism_names,
-                            const Eigen::MatrixXd& covariance) {
+                            const Eigen::MatrixXd& mechanism_slopes, const Eigen::MatrixXd& covariance) {
   Correlations result;
   // Derivatives of the named parameters, a row each, by those of the fit.
   std::vector<Eigen::RowVectorXd> rows;
   for (std::size_t i = 0; i < mechanism_names.size(); ++i) {
     result.parameters.push_back(mechanism_names[i]);
-    rows.emplace_back(Eigen::RowVectorXd::Unit(covariance.cols(), static_cast<Eigen::Index>(i)));
+    rows.emplace_back(Eigen::RowVectorXd::Zero(covariance.cols()));
+    rows.back().head(mechanism_slopes.cols()) = mechanism_slopes.row(static_cast<Eigen::Index>(i));
   }
   const Eigen::MatrixXd known = withBumps(covariance, fit);
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {

@@ -11,9 +11,10 @@
 
 namespace patella::diagnose {
 
-/// Between the mechanism's parameters (`mechanism_names`, in the order of the fit) and those of every effect
-/// in it, declared and found, that the recording determines. `covariance` is that of the fit's parameters.
+/// Between the mechanism's parameters (`mechanism_names`, with their derivatives by ModelFit::mechanism, a row
+/// each) and those of every effect in it, declared and found, that the recording determines. `covariance` is
+/// that of the fit's parameters.
 Correlations correlationsOf(const ModelFit& fit, std::span<const std::string> mechanism_names,
-                            const Eigen::MatrixXd& covariance);
+                            const Eigen::MatrixXd& mechanism_slopes, const Eigen::MatrixXd& covariance);
 
 }  // namespace patella::diagnose

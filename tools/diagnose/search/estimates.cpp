@@ -109,15 +109,26 @@ std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::Matri
 
 std::vector<RefittedParameter> refittedParameters(const ModelFitter& fitter, const ModelFit& fit,
                                                   const Eigen::MatrixXd& covariance) {
+  const double tolerance = fitter.options().nominal_tolerance;
+  const double widest = runaway::kWithinTolerance * tolerance;
+  const Eigen::MatrixXd slopes = fitter.mechanism().namedSlopes(fit.mechanism);
+  const Eigen::MatrixXd spread =
+      slopes * covariance.topLeftCorner(slopes.cols(), slopes.cols()) * slopes.transpose();
   std::vector<RefittedParameter> all;
-  for (std::size_t i = 0; i < fitter.mechanismNames().size(); ++i) {
-    const double nominal = fitter.mechanismValues()[i];
-    const double refitted = nominal * std::exp(fit.mechanism[i]);
-    const auto row = static_cast<Eigen::Index>(i);
-    all.push_back({.name = fitter.mechanismNames()[i],
-                   .nominal = nominal,
-                   .refitted = refitted,
-                   .sd = refitted * std::sqrt(covariance(row, row))});
+  for (const NamedParameter& parameter : fitter.mechanism().named(fit.mechanism)) {
+    const auto row = static_cast<Eigen::Index>(all.size());
+    const double away = widest * parameter.spread;
+    all.push_back({.name = parameter.name,
+                   .made_of = parameter.made_of,
+                   .nominal = parameter.nominal,
+                   .refitted = parameter.value,
+                   .sd = std::sqrt(std::max(0.0, spread(row, row))),
+                   .known_sd = tolerance * parameter.spread,
+                   .tolerated = {parameter.nominal - away, parameter.nominal + away},
+                   .is_ratio = parameter.is_ratio});
+    if (parameter.is_ratio) {
+      all.back().tolerated = {parameter.nominal * std::exp(-widest), parameter.nominal * std::exp(widest)};
+    }
   }
   return all;
 }

@@ -53,7 +53,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
   const std::vector<std::string> kinds{"actuator_delay", "actuator_lag"};
   const std::vector<double> no_friction(static_cast<std::size_t>(data.joints()), 0.0);
   const auto all =
-      byWholeTorque(recipes(data, model::makeModel(explained).mechanism(), kinds, {}, no_friction, false));
+      byWholeTorque(recipes(data, explained.mechanism, kinds, {}, no_friction));
   std::vector<LateDrive> late;
   for (const int joint : clean) {
     auto considered = all;

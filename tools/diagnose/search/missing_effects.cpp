@@ -64,9 +64,8 @@ class Finder {
     search.fitter->setRedundancy(redundancy(data, search.fitter->nominal(), options_.seed));
     search.nominal = search.fitter->nominal();
     const std::vector<std::string> kinds = consideredKinds(options_.effects);
-    const bool leg = !std::holds_alternative<model::PrismaticJointParameters>(model.mechanism);
-    auto considered = recipes(data, model::makeModel(model).mechanism(), kinds, recordings_.channels,
-                              frictionSmoothing(*search.fitter, search.nominal, options_.seed), leg);
+    auto considered = recipes(data, model.mechanism, kinds, recordings_.channels,
+                              frictionSmoothing(*search.fitter, search.nominal, options_.seed));
     std::erase_if(considered, [&](const auto& recipe) {
       return !holds(moving_, recipe->joint) || (holds(timed_joints, recipe->joint) && isTiming(recipe->kind));
     });

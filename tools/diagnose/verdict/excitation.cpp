@@ -143,7 +143,7 @@ void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis)
 }
 
 void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data, const ModelFit& fit,
-                     const Atoms& atoms, double nominal_tolerance, Diagnosis& diagnosis) {
+                     const Atoms& atoms, Diagnosis& diagnosis) {
   const Detector detector(data, fit, thresholdOf(diagnosis, fit));
   std::set<std::string> found;
   for (const EffectFinding& effect : diagnosis.effects) {
@@ -154,7 +154,7 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
     (shows ? diagnosis.excitation.identifiable : diagnosis.excitation.not_identifiable).push_back(label);
   }
   for (const RefittedParameter& parameter : diagnosis.nominal) {
-    const bool narrowed = parameter.sd < motion::kNarrowed * nominal_tolerance * std::abs(parameter.refitted);
+    const bool narrowed = parameter.sd < motion::kNarrowed * parameter.known_sd;
     (narrowed ? diagnosis.excitation.identifiable : diagnosis.excitation.not_identifiable)
         .push_back("nominal " + parameter.name);
   }

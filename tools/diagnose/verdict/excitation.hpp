@@ -44,6 +44,6 @@ void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis)
 /// the joints would show; two or more effects were found under single sinusoids; torque and
 /// encoder of a joint at rest contradict each other.
 void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data, const ModelFit& fit,
-                     const Atoms& atoms, double nominal_tolerance, Diagnosis& diagnosis);
+                     const Atoms& atoms, Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose

@@ -143,7 +143,7 @@ void addConfoundsBetween(std::vector<EffectFinding>& findings) {
   }
 }
 
-std::string explanation(const Diagnosis& diagnosis, double tolerance) {
+std::string explanation(const Diagnosis& diagnosis) {
   switch (diagnosis.verdict) {
     case Verdict::kEffectFound:
       return diagnosis.before.heldout_rms_Nm.empty()
@@ -153,9 +153,8 @@ std::string explanation(const Diagnosis& diagnosis, double tolerance) {
       const std::string text =
           "After the nominal parameters were refitted, the residual is no more than noise.";
       const auto moved =
-          std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(), [=](const RefittedParameter& p) {
-            return std::abs(std::log(p.refitted / p.nominal)) > runaway::kWithinTolerance * tolerance;
-          });
+          std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(),
+                       [](const RefittedParameter& parameter) { return parameter.isBeyond(); });
       if (moved == diagnosis.nominal.end()) {
         return text;
       }

@@ -23,7 +23,7 @@ EffectFinding findingOf(const std::string& kind, int joint, std::vector<Paramete
 /// what two levels of friction differ by.
 void addConfoundsBetween(std::vector<EffectFinding>& findings);
 
-/// The verdict in a sentence or two. Of its nominal parameters those count as moved that left `tolerance`.
-std::string explanation(const Diagnosis& diagnosis, double tolerance);
+/// The verdict in a sentence or two. Of its nominal parameters those count as moved that left their tolerance.
+std::string explanation(const Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose

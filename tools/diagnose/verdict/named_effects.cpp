@@ -139,7 +139,12 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found,
                                 "part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
-  diagnosis.correlations = correlationsOf(selection.fit, found.fitter->mechanismNames(), covariance);
+  std::vector<std::string> names;
+  for (const RefittedParameter& parameter : diagnosis.nominal) {
+    names.push_back(parameter.name);
+  }
+  diagnosis.correlations = correlationsOf(
+      selection.fit, names, found.fitter->mechanism().namedSlopes(selection.fit.mechanism), covariance);
 }
 
 }  // namespace patella::diagnose

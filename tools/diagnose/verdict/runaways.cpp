@@ -99,24 +99,32 @@ void addEstimate(const EffectFinding& effect, const ParameterEstimate& estimate,
   }
 }
 
+// "(+25 %), outside its tolerance of -18 to +22 %", or of its limits where it has no ratio.
+std::string beyondWords(const RefittedParameter& parameter, const std::string& unit) {
+  const auto [low, high] = parameter.tolerated;
+  if (!parameter.is_ratio) {
+    return fmt::format("outside its tolerance of {} to {}", withUnit(low, ""), withUnit(high, unit));
+  }
+  const auto change = [&](double value) { return kPercent * (value / parameter.nominal - 1.0); };
+  return fmt::format("({:+.0f} %), outside its tolerance of {:.0f} to {:+.0f} %", change(parameter.refitted),
+                     change(low), change(high));
+}
+
 void addNominal(const RefittedParameter& parameter, double tolerance, const Units& units,
                 std::vector<Runaway>& all) {
-  const double ratio = parameter.refitted / parameter.nominal;
-  if (!(std::abs(std::log(ratio)) > runaway::kWithinTolerance * tolerance)) {
+  if (!parameter.isBeyond()) {
     return;
   }
   const std::string unit = splitName(parameter.name.substr(0, parameter.name.find('[')), units).unit;
-  const double widest = std::exp(runaway::kWithinTolerance * tolerance);
-  all.push_back(
-      {.what = parameter.name,
-       .nominal = parameter.nominal,
-       .refitted = parameter.refitted,
-       .limit = runaway::kWithinTolerance * tolerance,
-       .words = fmt::format("the model's {} went from {} to {} ({:+.0f} %), outside its tolerance of "
-                            "{:.0f} to {:+.0f} %",
-                            parameterWords(parameter.name, units), withUnit(parameter.nominal, ""),
-                            withUnit(parameter.refitted, unit), kPercent * (ratio - 1.0),
-                            kPercent * (1.0 / widest - 1.0), kPercent * (widest - 1.0))});
+  const double bound = parameter.tolerated[parameter.refitted > parameter.nominal ? 1 : 0];
+  all.push_back({.what = parameter.name,
+                 .nominal = parameter.nominal,
+                 .refitted = parameter.refitted,
+                 .limit = parameter.is_ratio ? runaway::kWithinTolerance * tolerance : bound,
+                 .words = fmt::format("the model's {} went from {} to {}{}{}",
+                                      parameterWords(parameter.name, units), withUnit(parameter.nominal, ""),
+                                      withUnit(parameter.refitted, unit), parameter.is_ratio ? " " : ", ",
+                                      beyondWords(parameter, unit))});
 }
 
 /// The declared effect in the extended model; several of a kind on one joint keep their order. Nothing where
@@ -166,7 +174,7 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
   for (std::size_t p = 0; p < declared.parameters.size(); ++p) {
     const double before = declared.parameters[p];
     const double after = kept->parameters[p];
-    const ParameterName name = splitName(parameters[p].name, unitsOf(diagnosis));
+    const ParameterName name = splitName(parameters[p].name, unitsOf(diagnosis, declared.joint));
     const bool nothing_left = std::abs(after) < runaway::kNothingLeft * std::abs(before);
     if (nothing_left || std::abs(after - before) > runaway::kWithinTolerance * tolerance * std::abs(before)) {
       all.push_back(
@@ -213,7 +221,7 @@ std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDe
   const Units units = unitsOf(diagnosis);
   for (const EffectFinding& effect : diagnosis.effects) {
     for (const ParameterEstimate& estimate : effect.parameters) {
-      addEstimate(effect, estimate, units, all);
+      addEstimate(effect, estimate, unitsOf(diagnosis, effect.joint), all);
     }
   }
   for (const RefittedParameter& parameter : diagnosis.nominal) {

@@ -64,7 +64,7 @@ Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept {
   return effects ? Verdict::kEffectFound : Verdict::kNothingMissing;
 }
 
-void settle(Diagnosis& diagnosis, double nominal_tolerance) {
+void settle(Diagnosis& diagnosis) {
   const auto& found = diagnosis.effects;
   const bool effects =
       std::any_of(found.begin(), found.end(), [](const EffectFinding& effect) { return effect.asserted(); });
@@ -72,7 +72,7 @@ void settle(Diagnosis& diagnosis, double nominal_tolerance) {
   const Doubt* deciding = decidingDoubt(diagnosis.doubts, effects);
   diagnosis.explanation = deciding != nullptr && !deciding->words.empty()
                               ? deciding->words
-                              : explanation(diagnosis, nominal_tolerance);
+                              : explanation(diagnosis);
   if (diagnosis.verdict == Verdict::kEffectFound) {
     for (const Doubt& doubt : diagnosis.doubts) {
       if (doubt.kind == Doubt::kLargeRest) {

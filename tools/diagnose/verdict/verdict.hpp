@@ -15,6 +15,6 @@ const Doubt* decidingDoubt(std::span<const Doubt> doubts, bool effects) noexcept
 Verdict verdictOf(std::span<const Doubt> doubts, bool effects) noexcept;
 
 /// Writes verdict and explanation into a diagnosis whose effects and doubts are complete.
-void settle(Diagnosis& diagnosis, double nominal_tolerance);
+void settle(Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose
