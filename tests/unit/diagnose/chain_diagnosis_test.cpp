@@ -87,18 +87,16 @@ TEST_CASE("a leg written as a chain has the leg's verdict and effects") {
         return other.kind == effect.kind && other.joint == effect.joint;
       });
       REQUIRE(same != as_leg.effects.end());
-      CHECK(effect.parameters.front().value ==
-            doctest::Approx(same->parameters.front().value).epsilon(0.03));
+      CHECK(effect.parameters.front().value == doctest::Approx(same->parameters.front().value).epsilon(0.03));
     }
   }
 }
 
 TEST_CASE("friction of one joint of four is found there and nowhere else") {
   const model::SerialChainParameters chain = arm(4);
-  const Recording recording =
-      moved({.mechanism = chain,
-             .effects = {{.kind = "coulomb_friction", .joint = 2, .parameters = {0.6, 0.05}}}},
-            20.0, 0.02);
+  const Recording recording = moved(
+      {.mechanism = chain, .effects = {{.kind = "coulomb_friction", .joint = 2, .parameters = {0.6, 0.05}}}},
+      20.0, 0.02);
   const Diagnosis diagnosis = diagnosed(recording, wrong(chain), kPlain);
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
   REQUIRE(labels(diagnosis) == std::vector<std::string>{"coulomb_friction@3"});
@@ -120,9 +118,9 @@ TEST_CASE("friction of one joint of four is found there and nowhere else") {
 
 TEST_CASE("a payload at the end point of an arm is found on its last segment") {
   const model::SerialChainParameters chain = arm(3);
-  const Recording recording = moved(
-      {.mechanism = chain, .effects = {{.kind = "payload", .joint = 2, .parameters = {1.2, 0.25}}}}, 20.0,
-      0.02);
+  const Recording recording =
+      moved({.mechanism = chain, .effects = {{.kind = "payload", .joint = 2, .parameters = {1.2, 0.25}}}},
+            20.0, 0.02);
   const Diagnosis diagnosis = diagnosed(recording, wrong(chain), kPlain);
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
   REQUIRE(labels(diagnosis) == std::vector<std::string>{"payload@3"});

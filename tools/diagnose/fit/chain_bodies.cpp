@@ -12,8 +12,8 @@ namespace {
 constexpr Eigen::Index kPerBody = 10;
 /// Of x, for derivatives by differences to both sides: their errors are 1e-10 of the link's parameters.
 constexpr double kStep = 1e-5;
-/// What a number moves of a base parameter, as a part of what links of that size have of it, is rounding below
-/// this; and so is a singular value below this part of the largest.
+/// What a number moves of a base parameter, as a part of what links of that size have of it, is rounding
+/// below this; and so is a singular value below this part of the largest.
 constexpr double kNothing = 1e-7;
 /// A link's mass is never moved by more than the exponential of this, nor another number by more, whatever
 /// the data say.
@@ -94,37 +94,43 @@ void ChainBodies::addLinks(const model::SerialChainParameters& chain, std::size_
   }
 }
 
-Eigen::VectorXd ChainBodies::linkNumbers(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd numbers = x;
-  if (keeps_scale_) {
-    const Eigen::Index step = LinkBody::kNumbers;
-    const auto count = static_cast<Eigen::Index>(links_.size());
-    auto masses = numbers(Eigen::seqN(LinkBody::kLogMass, count, step));
-    const double mean = masses.mean();
-    masses.array() -= mean;
-  }
-  return numbers;
-}
-
-model::BaseParameters ChainBodies::baseOf(const Eigen::VectorXd& x) const {
-  const Eigen::VectorXd numbers = linkNumbers(x);
+model::BaseParameters ChainBodies::freeBase(const Eigen::VectorXd& x) const {
   Eigen::VectorXd standard = Eigen::VectorXd::Zero(base_of_standard_.cols());
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const Eigen::Index own = LinkBody::kNumbers * static_cast<Eigen::Index>(i);
     standard.segment<kPerBody>(link.first) +=
-        standardOf(link.body.at(numbers.segment<LinkBody::kNumbers>(own)), link.axes, link.origin);
+        standardOf(link.body.at(x.segment<LinkBody::kNumbers>(own)), link.axes, link.origin);
   }
   return base_of_standard_ * standard;
 }
 
-void ChainBodies::findDirections() {
+double ChainBodies::scaleOf(const model::BaseParameters& base) const {
+  double own = 0.0;
+  for (std::size_t i = 0; i < told_.size(); ++i) {
+    own += std::pow(base[told_[i]] / spread_[i], 2);
+  }
+  return std::sqrt(own);
+}
+
+model::BaseParameters ChainBodies::baseOf(const Eigen::VectorXd& x) const {
+  const model::BaseParameters base = freeBase(x);
+  return keeps_scale_ ? model::BaseParameters(nominal_scale_ / scaleOf(base) * base) : base;
+}
+
+Eigen::MatrixXd ChainBodies::slopesOf(
+    const std::function<model::BaseParameters(const Eigen::VectorXd& x)>& base) const {
   const Eigen::Index numbers = LinkBody::kNumbers * static_cast<Eigen::Index>(links_.size());
   Eigen::MatrixXd slopes(base_of_standard_.rows(), numbers);
   for (Eigen::Index k = 0; k < numbers; ++k) {
     const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(numbers, k);
-    slopes.col(k) = (baseOf(step) - baseOf(-step)) / (2.0 * kStep);
+    slopes.col(k) = (base(step) - base(-step)) / (2.0 * kStep);
   }
+  return slopes;
+}
+
+void ChainBodies::findDirections() {
+  const Eigen::MatrixXd free = slopesOf([this](const Eigen::VectorXd& x) { return freeBase(x); });
   // What links of such sizes have of each base parameter.
   Eigen::VectorXd standard = Eigen::VectorXd::Zero(base_of_standard_.cols());
   for (const Link& link : links_) {
@@ -136,15 +142,21 @@ void ChainBodies::findDirections() {
     sizes[9] += mass;
   }
   const Eigen::VectorXd sizes = base_of_standard_.cwiseAbs() * standard;
-  for (Eigen::Index row = 0; row < slopes.rows(); ++row) {
-    const double spread = slopes.row(row).norm();
+  for (Eigen::Index row = 0; row < free.rows(); ++row) {
+    const double spread = free.row(row).norm();
     if (spread > kNothing * sizes[row]) {
       told_.push_back(row);
       spread_.push_back(spread);
     }
   }
-  // Rows of one length: a wrist's inertia is as well told as a shoulder's, a thousand times larger.
-  const Eigen::MatrixXd scaled = slopes(told_, Eigen::all).rowwise().normalized();
+  nominal_scale_ = scaleOf(freeBase(Eigen::VectorXd::Zero(free.cols())));
+  // In units of their spread: a wrist's inertia is as well told as a shoulder's, a thousand times larger.
+  const Eigen::MatrixXd slopes = slopesOf([this](const Eigen::VectorXd& x) { return baseOf(x); });
+  const Eigen::MatrixXd scaled =
+      Eigen::Map<const Eigen::VectorXd>(spread_.data(), static_cast<Eigen::Index>(spread_.size()))
+          .cwiseInverse()
+          .asDiagonal() *
+      slopes(told_, Eigen::all);
   const Eigen::JacobiSVD<Eigen::MatrixXd> decomposition(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& values = decomposition.singularValues();
   const Eigen::Index rank = values.size() == 0 ? 0 : (values.array() > kNothing * values[0]).count();
@@ -157,7 +169,12 @@ Eigen::VectorXd ChainBodies::expanded(std::span<const double> z) const {
 
 model::MechanismDescription ChainBodies::at(std::span<const double> z) const {
   std::vector<model::SerialChainParameters> chains = chains_;
-  const Eigen::VectorXd numbers = linkNumbers(expanded(z));
+  Eigen::VectorXd numbers = expanded(z);
+  if (keeps_scale_) {
+    const auto count = static_cast<Eigen::Index>(links_.size());
+    numbers(Eigen::seqN(LinkBody::kLogMass, count, LinkBody::kNumbers)).array() +=
+        std::log(nominal_scale_ / scaleOf(freeBase(numbers)));
+  }
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Eigen::Index own = LinkBody::kNumbers * static_cast<Eigen::Index>(i);
     chains[links_[i].chain].links[links_[i].index] =

@@ -1,6 +1,7 @@
 // The free numbers of chains: those of their links' bodies, as far as motion can tell them.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,15 +33,20 @@ class ChainBodies final : public MechanismParameters {
     std::size_t chain = 0;
     std::size_t index = 0;  ///< in its chain
     LinkBody body;
-    Eigen::Matrix3d axes;     ///< of its frame in that of the link that its joint moves
-    Eigen::Vector3d origin;   ///< likewise, m
-    Eigen::Index first = 0;   ///< of the standard parameters of what that joint moves
+    Eigen::Matrix3d axes;    ///< of its frame in that of the link that its joint moves
+    Eigen::Vector3d origin;  ///< likewise, m
+    Eigen::Index first = 0;  ///< of the standard parameters of what that joint moves
   };
 
   void addLinks(const model::SerialChainParameters& chain, std::size_t number, Eigen::Index first);
-  /// Ten numbers of each link, one after the other; the scale taken off where it is kept.
-  Eigen::VectorXd linkNumbers(const Eigen::VectorXd& x) const;
+  /// Of ten numbers for each link, one after the other; the scale is free.
+  model::BaseParameters freeBase(const Eigen::VectorXd& x) const;
+  /// The same with the scale as it is kept.
   model::BaseParameters baseOf(const Eigen::VectorXd& x) const;
+  /// Length of the base parameters in units of their spread: larger by a factor where all bodies are.
+  double scaleOf(const model::BaseParameters& base) const;
+  /// Derivatives at the nominal chains.
+  Eigen::MatrixXd slopesOf(const std::function<model::BaseParameters(const Eigen::VectorXd& x)>& base) const;
   Eigen::VectorXd expanded(std::span<const double> z) const;
   void findDirections();
 
@@ -53,6 +59,7 @@ class ChainBodies final : public MechanismParameters {
   Eigen::MatrixXd directions_;             ///< V
   std::vector<Eigen::Index> told_;         ///< base parameters that some number moves
   std::vector<double> spread_;             ///< of these, for a spread of 1 of x
+  double nominal_scale_ = 0.0;
 };
 
 }  // namespace patella::diagnose

@@ -16,8 +16,8 @@ namespace patella::diagnose {
 
 /// A parameter as people know it.
 struct NamedParameter {
-  std::string name;        ///< with its unit, as in model files: "com_m[2]", "ZZ1_kg_m2"
-  std::string made_of{};   ///< "ZZ1 + 0.0529 M2" for a base parameter of a chain; empty otherwise
+  std::string name;       ///< with its unit, as in model files: "com_m[2]", "ZZ1_kg_m2"
+  std::string made_of{};  ///< "ZZ1 + 0.0529 M2" for a base parameter of a chain; empty otherwise
   double nominal = 0.0;
   double value = 0.0;
   /// Spread of the value for a spread of 1 of the free numbers.
@@ -48,8 +48,10 @@ class MechanismParameters {
   Eigen::MatrixXd baseSlopes(std::span<const double> z) const;
 };
 
-/// Where no joint is driven (`keeps_scale`), masses, moments and inertias larger by one factor move alike, and
-/// smaller ones leave less torque unexplained: then the mean of the masses' logarithms stays what it is.
+/// Where no joint is driven (`keeps_scale`), masses, moments and inertias larger by one factor move alike,
+/// and smaller ones leave less torque unexplained: then their scale stays what it is, of leg and single
+/// joints as the mean of the logarithms, of chains as the length of the base parameters in units of their
+/// spread.
 std::unique_ptr<MechanismParameters> mechanismParameters(const model::MechanismDescription& nominal,
                                                          bool keeps_scale);
 
