@@ -77,7 +77,7 @@ TEST_CASE("a joint at rest is named, and nothing is claimed of it") {
   }
   SUBCASE("by an encoder that stands still between two counts") {
     for (std::size_t i = 0; i < recording.rows(); ++i) {
-      recording.position_rad[1][i] = i % 7 < 3 ? 0.0 : rig.rig.encoder_step_rad;
+      recording.position_rad[1][i] = i % 7 < 3 ? 0.0 : rig.rig.encoder_step_rad[1];
     }
   }
   const Diagnosis diagnosis = diagnosed(std::span(&recording, 1), rig.model());

@@ -11,6 +11,7 @@
 #include "tests/unit/model/random_states.hpp"
 #include "tools/bench/chain/kdl_peer.hpp"
 #include "tools/bench/chain/robots.hpp"
+#include "tools/bench/diagnose/chain_body.hpp"
 
 using namespace patella;
 
@@ -54,5 +55,40 @@ TEST_CASE(
       CHECK(weight < kEqual);
       CHECK(jacobian < kEqual);
     }
+  }
+}
+
+TEST_CASE("the chain that diagnosis is judged with has the inertia and the torques of KDL") {
+  constexpr double kEqual = 1e-10;
+  constexpr int kStates = 50;
+  const Eigen::Vector3d gravity{3.0, -7.0, 5.0};
+  const auto perJoint = [](const JointVector& values) {
+    PerJoint result{};
+    std::copy(values.begin(), values.end(), result.begin());
+    return result;
+  };
+  for (const bench::Robot& robot : bench::robots()) {
+    CAPTURE(robot.name);
+    const std::string text = bench::urdfText(std::filesystem::path(PATELLA_DATA_DIR) / "urdf", robot);
+    bench::ChainBody chain(
+        {.links = app::parseUrdfChain(text, robot.file, robot.base, robot.tip), .gravity_m_s2 = gravity});
+    bench::KdlPeer kdl(text, robot.base, robot.tip, gravity);
+    REQUIRE(static_cast<int>(chain.joints()) == kdl.joints());
+    double inertia = 0.0, bias = 0.0, whole = 0.0;
+    for (const auto& [q, dq, ddq] : test::randomStates(kdl.joints(), kStates)) {
+      const bench::ChainBody::Terms terms = chain.terms(perJoint(q), perJoint(dq));
+      kdl.setState(q, dq);
+      kdl.evaluate();
+      const Eigen::VectorXd expected_Nm = kdl.velocity_Nm() + kdl.gravity_Nm();
+      const double size_Nm = terms.inertia.norm() * dq.squaredNorm() + gravity.norm();
+      inertia = std::max(inertia, difference(terms.inertia, kdl.inertia()));
+      bias = std::max(bias, difference(terms.bias_Nm, expected_Nm, size_Nm));
+      const PerJoint torque = chain.inverseDynamics(perJoint(q), perJoint(dq), perJoint(ddq));
+      whole = std::max(whole, difference(Eigen::Map<const Eigen::VectorXd>(torque.data(), kdl.joints()),
+                                         Eigen::VectorXd(kdl.inertia() * ddq + expected_Nm), size_Nm));
+    }
+    CHECK(inertia < kEqual);
+    CHECK(bias < kEqual);
+    CHECK(whole < kEqual);
   }
 }

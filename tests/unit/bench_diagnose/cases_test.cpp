@@ -116,7 +116,7 @@ TEST_CASE("a recording is what a loader would hand on") {
   CHECK(lost > recording.rows() / 200);
   CHECK(lost < recording.rows() / 50);
   // A count, and what the joint moves in the jitter.
-  CHECK(worst_rad < rig.encoder_step_rad + 0.3e-3 * 6.0);
+  CHECK(worst_rad < rig.encoder_step_rad[0] + 0.3e-3 * 6.0);
   CHECK(worst_rad > 0.0);
   CHECK(recording.activation[0].size() == recording.rows());
   const auto [least, most] =
@@ -155,8 +155,8 @@ TEST_CASE("a case on disk reads back as the case in memory") {
     square_rad += error_rad * error_rad;
     square_Nm += error_Nm * error_Nm;
   }
-  CHECK(std::sqrt(square_rad / static_cast<double>(count)) < drawn.rig.encoder_step_rad + 3e-4);
-  CHECK(std::sqrt(square_Nm / static_cast<double>(count)) < drawn.rig.torque_noise_Nm);
+  CHECK(std::sqrt(square_rad / static_cast<double>(count)) < drawn.rig.encoder_step_rad[0] + 3e-4);
+  CHECK(std::sqrt(square_Nm / static_cast<double>(count)) < drawn.rig.torque_noise_Nm[0]);
 }
 
 TEST_CASE("the model handed over is wrong by up to a tenth, and complete otherwise") {

@@ -28,7 +28,7 @@ TrueEffect effect(Kind kind, std::array<double, kMaxParameters> parameters, std:
   return {.kind = kind, .joint = joint, .p = parameters};
 }
 
-void run(Plant& plant, double duration_s, const Pair& command_Nm = {}) {
+void run(Plant& plant, double duration_s, const patella::PerJoint& command_Nm = {}) {
   for (int tick = 0; tick < std::lround(duration_s / kTick_s); ++tick) {
     plant.advance(command_Nm);
   }
@@ -51,7 +51,7 @@ double turningTime(Plant& plant, int times) {
 }  // namespace
 
 TEST_CASE("a leg without friction keeps its energy") {
-  for (const Pair start : {Pair{-0.6, -1.0}, Pair{0.4, -0.3}}) {
+  for (const patella::PerJoint start : {patella::PerJoint{-0.6, -1.0}, patella::PerJoint{0.4, -0.3}}) {
     Plant plant(leg(), {}, kNobody, start, {0.5, -1.0});
     const double before = plant.energy();
     double worst = 0.0;

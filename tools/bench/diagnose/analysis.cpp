@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 
+#include "tools/bench/diagnose/nominal_directions.hpp"
 #include "tools/signals/signals.hpp"
 
 namespace patella::bench {
@@ -63,14 +64,15 @@ class Band {
 
 std::array<Samples, kJoints> bodyTorque(const Body& body, const Motion& motion, const Band& band) {
   std::array<Samples, kJoints> torque;
+  InverseDynamics dynamics(body);
   for (std::size_t i = 0; i < motion.size(); ++i) {
-    Pair q{}, dq{}, ddq{};
+    PerJoint q{}, dq{}, ddq{};
     for (std::size_t j = 0; j < body.joints(); ++j) {
       q[j] = motion.q[j][i];
       dq[j] = motion.dq[j][i];
       ddq[j] = motion.ddq[j][i];
     }
-    const Pair value = inverseDynamics(body, q, dq, ddq);
+    const PerJoint value = dynamics(q, dq, ddq);
     for (std::size_t j = 0; j < body.joints(); ++j) {
       torque[j].push_back(value[j]);
     }
@@ -88,25 +90,8 @@ Samples actingTorque(std::vector<double> held) {
   return held;
 }
 
-std::vector<double Body::*> scalars(Shape shape) {
-  return shape == Shape::kRevolute ? std::vector<double Body::*>{&Body::moment_kg_m}
-                                   : std::vector<double Body::*>{};
-}
-
-std::vector<std::pair<Pair Body::*, std::size_t>> pairs(Shape shape) {
-  switch (shape) {
-    case Shape::kLeg:
-      return {{&Body::mass_kg, 0}, {&Body::mass_kg, 1},       {&Body::com_m, 0},
-              {&Body::com_m, 1},   {&Body::inertia_kg_m2, 0}, {&Body::inertia_kg_m2, 1}};
-    case Shape::kRevolute:
-      return {{&Body::inertia_kg_m2, 0}};
-    default:
-      return {{&Body::mass_kg, 0}};
-  }
-}
-
-// Rows of both joints, thinned out, each in units of its joint's noise.
-Eigen::VectorXd rows(const std::array<Samples, kJoints>& signal, const Pair& unit, std::size_t joints) {
+// Rows of all joints, thinned out, each in units of its joint's noise.
+Eigen::VectorXd rows(const std::array<Samples, kJoints>& signal, const PerJoint& unit, std::size_t joints) {
   std::vector<double> stacked;
   for (std::size_t j = 0; j < joints; ++j) {
     for (std::size_t i = 0; i < signal[j].size(); i += kRowStep) {
@@ -116,30 +101,25 @@ Eigen::VectorXd rows(const std::array<Samples, kJoints>& signal, const Pair& uni
   return Eigen::Map<const Eigen::VectorXd>(stacked.data(), static_cast<Eigen::Index>(stacked.size()));
 }
 
-// Columns: how the torque changes with each parameter of the body, by central differences.
-Eigen::MatrixXd sensitivities(const Body& body, const Motion& motion, const Band& band, const Pair& unit) {
+// Columns: how the torque changes with what the body's nominal parameters can change.
+Eigen::MatrixXd sensitivities(const Body& body, const Motion& motion, const Band& band,
+                              const PerJoint& unit) {
   std::vector<Eigen::VectorXd> columns;
-  const auto vary = [&](const auto& parameter) {
-    constexpr double kShare = 1e-3;
-    Body more = body, less = body;
-    parameter(more) *= 1.0 + kShare;
-    parameter(less) *= 1.0 - kShare;
+  for (const auto& [more, less] : nominalDirections(body)) {
     auto difference = bodyTorque(more, motion, band);
     const auto low = bodyTorque(less, motion, band);
     for (std::size_t j = 0; j < body.joints(); ++j) {
       difference[j] = offline::difference(difference[j], low[j]);
     }
-    columns.push_back(rows(difference, unit, body.joints()));
-  };
-  for (const auto member : scalars(body.shape)) {
-    vary([member](Body& changed) -> double& { return changed.*member; });
-  }
-  for (const auto& [member, index] : pairs(body.shape)) {
-    vary([m = member, i = index](Body& changed) -> double& { return (changed.*m)[i]; });
+    Eigen::VectorXd column = rows(difference, unit, body.joints());
+    // A link on the first joint has parameters that no motion shows.
+    if (const double size = column.norm(); size > 0.0) {
+      columns.push_back(column / size);
+    }
   }
   Eigen::MatrixXd matrix(columns.front().size(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    matrix.col(static_cast<Eigen::Index>(i)) = columns[i] / columns[i].norm();
+    matrix.col(static_cast<Eigen::Index>(i)) = columns[i];
   }
   return matrix;
 }
@@ -169,7 +149,7 @@ Analysis analyse(const Rig& rig, const Run& run, double band_Hz) {
   const Eigen::VectorXd effect = rows(result.effect_Nm, result.noise_rms_Nm, joints);
   const double count = static_cast<double>(effect.size()) / static_cast<double>(joints);
   result.raw_strength = effect.norm() / std::sqrt(count);
-  // Six parameters of a leg move only five combinations.
+  // Six parameters of a leg move only five combinations, ten of a chain's link seven at most.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> nominal;
   nominal.setThreshold(1e-8);
   const Eigen::MatrixXd columns = sensitivities(rig.body, exact, band, result.noise_rms_Nm);
@@ -178,8 +158,8 @@ Analysis analyse(const Rig& rig, const Run& run, double band_Hz) {
   return result;
 }
 
-Pair heldoutNoise_Nm(const Analysis& analysis, double fraction) {
-  Pair result{};
+PerJoint heldoutNoise_Nm(const Analysis& analysis, double fraction) {
+  PerJoint result{};
   for (std::size_t j = 0; j < kJoints; ++j) {
     const std::vector<double>& noise = analysis.noise_Nm[j];
     if (!noise.empty()) {

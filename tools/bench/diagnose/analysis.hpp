@@ -12,8 +12,8 @@ struct Analysis {
   double rate_Hz = 0.0;
   std::array<std::vector<double>, kJoints> effect_Nm;  ///< what the rigid body and the drives do not explain
   std::array<std::vector<double>, kJoints> noise_Nm;   ///< what would be left if everything were known
-  Pair noise_rms_Nm{};
-  /// rms of the effect's torque in units of the noise, both joints together: all of it, and what no change of
+  PerJoint noise_rms_Nm{};
+  /// rms of the effect's torque in units of the noise, all joints together: all of it, and what no change of
   /// the nominal masses, centres of mass and inertias could explain.
   double raw_strength = 0.0;
   double strength = 0.0;
@@ -23,6 +23,6 @@ struct Analysis {
 Analysis analyse(const Rig& rig, const Run& run, double band_Hz = 10.0);
 
 /// rms over the last `fraction` of the recording, as a diagnosis holds it out.
-Pair heldoutNoise_Nm(const Analysis& analysis, double fraction);
+PerJoint heldoutNoise_Nm(const Analysis& analysis, double fraction);
 
 }  // namespace patella::bench

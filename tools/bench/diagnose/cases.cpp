@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "tools/bench/diagnose/draw_effect.hpp"
+#include "tools/bench/diagnose/nominal_directions.hpp"
 #include "tools/bench/diagnose/random.hpp"
 
 namespace patella::bench {
@@ -117,11 +118,10 @@ bool isWithinDeclaredDamping(const Rig& rig, const TrueEffect& effect) {
 
 CaseEffect measured(const Rig& rig, const TrueEffect& effect, const Run& run) {
   const Analysis analysis = analyse(rig, run);
-  return {
-      .effect = effect,
-      .strength = analysis.strength,
-      .raw_strength = analysis.raw_strength,
-      .in_span = inSpan(effect.kind, effect.joint, rig.body.shape) || isWithinDeclaredDamping(rig, effect)};
+  return {.effect = effect,
+          .strength = analysis.strength,
+          .raw_strength = analysis.raw_strength,
+          .in_span = inSpan(effect, rig.body) || isWithinDeclaredDamping(rig, effect)};
 }
 
 std::vector<TrueEffect> effectsOf(const Case& drawn) {
@@ -161,7 +161,7 @@ bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
   drawn.mechanism = wish.mechanism;
   drawn.motion = wish.motion;
   drawn.effects.clear();
-  drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion);
+  drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion, wish.joints);
   Random random(seed, 200);
   const bool two = drawn.suite == Suite::kDouble;
   while (drawn.effects.size() < (two ? 2U : 1U)) {
@@ -172,7 +172,7 @@ bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
     }
     const Place place = pick(random, choice);
     const TrueEffect effect = drawEffect(random, place.kind, place.joint, drawn.rig);
-    const bool in_span = inSpan(place.kind, place.joint, drawn.rig.body.shape);
+    const bool in_span = inSpan(effect, drawn.rig.body);
     // Two effects are asked for by name only where each of them can be told from the nominal parameters.
     if (!first && (in_span || entangled(drawn.effects.front().effect, effect))) {
       continue;
@@ -254,7 +254,7 @@ Case drawCase(std::uint64_t seed, Suite suite, const Wish& wish) {
   if (suite == Suite::kNone) {
     drawn.mechanism = wish.mechanism;
     drawn.motion = wish.motion;
-    drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion);
+    drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion, wish.joints);
   } else {
     std::uint64_t attempt = 0;
     while (!tryEffects(drawn, wish, seedOf(drawn, attempt))) {

@@ -24,10 +24,12 @@ std::string_view suiteName(Suite suite) noexcept;
 
 /// Empty: drawn.
 struct Wish {
-  std::string effect;     ///< a kind's name; for kDouble one of the two
-  std::string mechanism;  ///< "paper_leg", "adult_leg", "light_arm", "knee", "linear_axis"
-  std::string motion;     ///< "multisine", "gait", "sine"
-  double strength = 0.0;  ///< of each effect; 0: drawn
+  std::string effect;  ///< a kind's name; for kDouble one of the two
+  std::string
+      mechanism;  ///< "paper_leg", "adult_leg", "light_arm", "knee", "linear_axis", "chain", "planar_chain"
+  std::string motion;      ///< "multisine", "gait", "sine"
+  std::size_t joints = 0;  ///< of a chain
+  double strength = 0.0;   ///< of each effect; 0: drawn
 };
 
 struct CaseEffect {
@@ -59,8 +61,9 @@ Case drawCase(std::uint64_t seed, Suite suite, const Wish& wish = {});
 /// no size of it leaves the robot stable.
 CaseEffect withStrength(const Rig& rig, const TrueEffect& effect, double strength);
 
-/// A rig with nominal parameters wrong by up to 5 to 10 %. Empty names: drawn.
-Rig drawRig(std::uint64_t seed, std::string& mechanism, std::string& motion);
+/// A rig with nominal parameters wrong by up to 5 to 10 %. Empty names: drawn. A chain of 0
+/// joints has 2 to 7, drawn.
+Rig drawRig(std::uint64_t seed, std::string& mechanism, std::string& motion, std::size_t joints = 0);
 model::ModelDescription nominalModel(const Rig& rig);
 
 }  // namespace patella::bench

@@ -27,9 +27,10 @@ Scale scaleOf(const Rig& rig, std::size_t joint) {
   Scale scale{.human_Nm = rig.human_Nm[joint], .centre_rad = rig.reference[joint].centre_rad};
   double speed = 0.0, torque = 0.0;
   int count = 0;
+  InverseDynamics dynamics(rig.body);
   for (double time_s = 2.0; time_s < rig.duration_s; time_s += 0.02) {
     const Target target = targetAt(rig.reference, time_s);
-    const Pair tau = inverseDynamics(rig.body, target.q, target.dq, target.ddq);
+    const PerJoint tau = dynamics(target.q, target.dq, target.ddq);
     speed += target.dq[joint] * target.dq[joint];
     torque += tau[joint] * tau[joint];
     scale.range_rad = std::max(scale.range_rad, std::abs(target.q[joint] - scale.centre_rad));
@@ -37,12 +38,12 @@ Scale scaleOf(const Rig& rig, std::size_t joint) {
   }
   scale.speed_rad_s = std::sqrt(speed / count);
   scale.torque_Nm = std::sqrt(torque / count);
-  Body weightless = rig.body;
-  weightless.gravity_m_s2 = 0.0;
-  Pair unit{};
+  PerJoint unit{}, middle{};
   unit[joint] = 1.0;
-  scale.inertia_kg_m2 = inverseDynamics(
-      weightless, {rig.reference[0].centre_rad, rig.reference[1].centre_rad}, {}, unit)[joint];
+  for (std::size_t j = 0; j < rig.body.joints(); ++j) {
+    middle[j] = rig.reference[j].centre_rad;
+  }
+  scale.inertia_kg_m2 = InverseDynamics(weightless(rig.body))(middle, {}, unit)[joint];
   return scale;
 }
 
@@ -112,6 +113,11 @@ Parameters drawMachine(Random& random, Kind kind, const Scale& s, const Rig& rig
       const double share = random.uniform(0.2, 0.6);
       if (rig.body.shape == Shape::kLeg) {
         return {share * rig.body.mass_kg[joint], random.uniform(0.4, 1.0) * rig.body.length_m[joint]};
+      }
+      if (rig.body.shape == Shape::kChain) {
+        const std::size_t link = linkOfJoint(rig.body.chain, joint);
+        return {share * rig.body.chain.links[link].mass_kg,
+                random.uniform(0.4, 1.0) * rig.body.chain.links[link + 1].origin_m.norm()};
       }
       constexpr double kShank_kg = 4.0;
       return {share * kShank_kg, random.uniform(0.15, 0.4)};
@@ -203,12 +209,12 @@ Parameters drawPatient(Random& random, Kind kind, const Scale& s, const Rig& rig
 
 }  // namespace
 
-bool applicable(Kind kind, std::size_t joint, const Rig& rig) noexcept {
+bool applicable(Kind kind, std::size_t joint, const Rig& rig) {
   const Shape shape = rig.body.shape;
   const bool human = rig.emg_channels > 0;
   switch (kind) {
     case Kind::kPassiveKnee:
-      return human && (shape == Shape::kRevolute || joint == 1);
+      return human && (shape == Shape::kRevolute || (shape == Shape::kLeg && joint == 1));
     case Kind::kEmg:
     case Kind::kEmgStiffness:
     case Kind::kSpasticity:
@@ -216,17 +222,12 @@ bool applicable(Kind kind, std::size_t joint, const Rig& rig) noexcept {
     case Kind::kPayload:
     case Kind::kOffset:
     case Kind::kVaryingInertia:  // along an axis, an angle means nothing
-      return shape != Shape::kPrismatic;
+      return !rig.body.slides(joint);
     case Kind::kBiarticular:
       return human && shape == Shape::kLeg;
     default:
       return true;
   }
-}
-
-bool inSpan(Kind kind, std::size_t joint, Shape shape) noexcept {
-  return kind == Kind::kPayload || (kind == Kind::kRotor && joint == 0) ||
-         (kind == Kind::kGain && shape != Shape::kLeg);
 }
 
 TrueEffect drawEffect(Random& random, Kind kind, std::size_t joint, const Rig& rig) {

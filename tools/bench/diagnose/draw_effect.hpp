@@ -7,9 +7,7 @@
 namespace patella::bench {
 
 /// Whether the effect makes sense on that joint of that machine.
-bool applicable(Kind kind, std::size_t joint, const Rig& rig) noexcept;
-/// Whether masses, centres of mass and inertias could take its place exactly.
-bool inSpan(Kind kind, std::size_t joint, Shape shape) noexcept;
+bool applicable(Kind kind, std::size_t joint, const Rig& rig);
 
 /// An effect of about twice the size of the patient's pushing; its shape is drawn.
 TrueEffect drawEffect(Random& random, Kind kind, std::size_t joint, const Rig& rig);

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string_view>
 
 #include "tools/bench/diagnose/cases.hpp"
+#include "tools/bench/diagnose/draw_chain.hpp"
 #include "tools/bench/diagnose/random.hpp"
 
 namespace patella::bench {
@@ -16,10 +19,10 @@ struct Machine {
   const char* name;
   double share;  ///< of the cases
   Body body;
-  Pair centre_rad;
-  Pair amplitude_rad;  ///< peak
-  double fastest_Hz;   ///< of a multisine
-  Pair human_Nm;       ///< lowest and highest standard deviation
+  PerJoint centre_rad;
+  PerJoint amplitude_rad;  ///< peak
+  double fastest_Hz;       ///< of a multisine
+  Pair human_Nm;           ///< lowest and highest standard deviation
   Pair torque_noise_Nm;
   double encoder_range_rad;
   std::size_t emg_channels;
@@ -117,8 +120,9 @@ const Machine& machineOf(Random& random, std::string& name) {
       return machine;
     }
   }
-  throw std::invalid_argument("mechanism '" + name +
-                              "' is unknown, expected paper_leg, adult_leg, light_arm, knee or linear_axis");
+  throw std::invalid_argument(
+      "mechanism '" + name +
+      "' is unknown, expected paper_leg, adult_leg, light_arm, knee, linear_axis, chain or planar_chain");
 }
 
 // Scales the harmonics so that the way stays within the amplitude.
@@ -202,6 +206,11 @@ Body wrong(Random& random, const Body& body) {
   Body nominal = body;
   const double error = random.uniform(0.05, 0.10);
   const auto shift = [&](double& value) { value *= 1.0 + random.uniform(-error, error); };
+  if (body.shape == Shape::kChain) {
+    nominal.chain = wrongChain(random, body.chain, error);
+    std::for_each_n(nominal.damping_Nms_rad.begin(), body.joints(), shift);
+    return nominal;
+  }
   for (std::size_t i = 0; i < 2; ++i) {
     shift(nominal.mass_kg[i]);
     shift(nominal.com_m[i]);
@@ -212,27 +221,103 @@ Body wrong(Random& random, const Body& body) {
   return nominal;
 }
 
-}  // namespace
+void drawBus(Random& random, Rig& rig) {
+  rig.jitter_s = random.uniform(0.0, 0.3e-3);
+  rig.loss_probability = random.chance(0.5) ? random.logUniform(1e-4, 2e-3) : 0.0;
+}
 
-Rig drawRig(std::uint64_t seed, std::string& mechanism, std::string& motion) {
-  Random random(seed, 100);
+constexpr std::string_view kChain = "chain", kPlanarChain = "planar_chain";
+
+// What a chain has in place of a row of the table.
+Machine chainMachine(Random& random, const std::string& name, std::size_t joints) {
+  Machine machine{.name = name.c_str(),
+                  .share = 0.0,
+                  .body = drawChain(random, joints, name == kPlanarChain),
+                  .centre_rad = {},
+                  .amplitude_rad = {},
+                  .fastest_Hz = 1.8,
+                  .human_Nm = {},
+                  .torque_noise_Nm = {},
+                  .encoder_range_rad = kTurn,
+                  .emg_channels = random.chance(0.5) ? 2U : 0U};
+  constexpr double kSlide = 0.25;  // m for rad
+  for (std::size_t j = 0; j < joints; ++j) {
+    const double part = machine.body.slides(j) ? kSlide : 1.0;
+    machine.centre_rad[j] = part * random.uniform(-1.0, 1.0);
+    machine.amplitude_rad[j] = part * random.uniform(0.5, 0.9);
+  }
+  return machine;
+}
+
+// Noise in proportion to what each joint carries, as it is with the leg.
+void drawChainRig(Random& random, std::string& motion, const std::string& name, std::size_t joints,
+                  Rig& rig) {
+  constexpr Pair kHuman{0.004, 0.02}, kSensor{0.003, 0.015};
+  constexpr int kTries = 1000;
+  if (motion.empty()) {
+    motion = "multisine";
+  }
+  PerJoint load_Nm{};
+  double encoder_range_rad = 0.0;
+  for (int attempt = 0;; ++attempt) {
+    if (attempt == kTries) {
+      throw std::runtime_error("no chain of " + std::to_string(joints) +
+                               " joints has loads of a sensible size");
+    }
+    const Machine machine = chainMachine(random, name, joints);
+    rig.body = machine.body;
+    rig.duration_s = random.uniform(20.0, 40.0);
+    rig.reference = {};
+    drawMotion(random, machine, motion, rig);
+    rig.emg_channels = machine.emg_channels;
+    encoder_range_rad = machine.encoder_range_rad;
+    load_Nm = loadOf(rig);
+    if (isSensible(load_Nm, rig.body)) {
+      break;
+    }
+  }
+  rig.nominal = wrong(random, rig.body);
+  const double bits = static_cast<double>(13 + random.below(5));
+  const double torque_noise = random.logUniform(kSensor[0], kSensor[1]);
+  for (std::size_t j = 0; j < joints; ++j) {
+    rig.encoder_step_rad[j] = encoder_range_rad / std::exp2(bits) * (rig.body.slides(j) ? 0.1 : 1.0);
+    rig.torque_noise_Nm[j] = torque_noise * load_Nm[j];
+    rig.human_Nm[j] = random.logUniform(kHuman[0], kHuman[1]) * load_Nm[j];
+  }
+}
+
+void drawMachineRig(Random& random, std::string& mechanism, std::string& motion, Rig& rig) {
   const Machine& machine = machineOf(random, mechanism);
-  Rig rig;
-  rig.seed = seed;
   rig.body = machine.body;
   rig.nominal = wrong(random, machine.body);
   rig.duration_s = random.uniform(20.0, 60.0);
   drawMotion(random, machine, motion, rig);
   const double bits = static_cast<double>(12 + random.below(6));
-  rig.encoder_step_rad = machine.encoder_range_rad / std::exp2(bits);
-  rig.jitter_s = random.uniform(0.0, 0.3e-3);
-  rig.loss_probability = random.chance(0.5) ? random.logUniform(1e-4, 2e-3) : 0.0;
-  rig.torque_noise_Nm = random.logUniform(machine.torque_noise_Nm[0], machine.torque_noise_Nm[1]);
+  rig.encoder_step_rad = everyJoint(machine.encoder_range_rad / std::exp2(bits));
+  drawBus(random, rig);
+  rig.torque_noise_Nm = everyJoint(random.logUniform(machine.torque_noise_Nm[0], machine.torque_noise_Nm[1]));
   for (std::size_t j = 0; j < machine.body.joints(); ++j) {
     rig.human_Nm[j] = random.logUniform(machine.human_Nm[0], machine.human_Nm[1]);
   }
-  rig.human_bandwidth_Hz = random.uniform(0.5, 3.0);
   rig.emg_channels = machine.emg_channels;
+}
+
+}  // namespace
+
+Rig drawRig(std::uint64_t seed, std::string& mechanism, std::string& motion, std::size_t joints) {
+  Random random(seed, 100);
+  Rig rig;
+  rig.seed = seed;
+  if (mechanism == kChain || mechanism == kPlanarChain) {
+    if (joints == 0) {
+      joints = kFewestJoints + random.below(kMostJoints - kFewestJoints + 1);
+    }
+    drawChainRig(random, motion, mechanism, joints, rig);
+    drawBus(random, rig);
+  } else {
+    drawMachineRig(random, mechanism, motion, rig);
+  }
+  rig.human_bandwidth_Hz = random.uniform(0.5, 3.0);
   rig.control_bandwidth_Hz = random.uniform(2.5, 4.0);
   return rig;
 }
@@ -260,6 +345,9 @@ model::ModelDescription nominalModel(const Rig& rig) {
       model.mechanism = model::PrismaticJointParameters{.mass_kg = body.mass_kg[0],
                                                         .inclination_rad = body.inclination_rad,
                                                         .gravity_m_s2 = body.gravity_m_s2};
+      break;
+    case Shape::kChain:
+      model.mechanism = body.chain;
       break;
   }
   for (std::size_t j = 0; j < body.joints(); ++j) {

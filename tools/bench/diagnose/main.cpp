@@ -14,11 +14,13 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <time.h>
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tools/bench/diagnose/asserted.hpp"
 #include "tools/bench/diagnose/conventions.hpp"
+#include "tools/bench/diagnose/draw_chain.hpp"
 #include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
@@ -57,7 +59,8 @@ constexpr const char* kRules = R"(Rules
   Payload, rotor inertia of a first or only joint and torque gain of a single joint are what other nominal
   parameters would be: drawn in physical sizes and counted apart. So is viscous friction of less than a fifth of
   the damping that the model declares, which is within two standard deviations of it.
-Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And defect: what
+Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 double, 3 unknown. And chain: the
+  same on serial chains, each drawn with its axes, links and base. And defect: what
   breaks or wears on machines, one of eight kinds that nothing was tuned to. And planted:
   halves of measured recordings with the model that the other half led to, plain or with a drawn effect added to the
   measured torque. And conventions: measured recordings as they are and with one wrong convention each, with the
@@ -65,7 +68,7 @@ Suites: none, single, double, unknown, or all: of 20 cases 10 single, 4 none, 3 
   named; wrong: refused with others only.)";
 
 Suite suiteOf(const std::string& name, std::size_t index) {
-  if (name == "all") {
+  if (name == "all" || name == "chain") {
     constexpr std::size_t kCycle = 20, kSingles = 10, kNones = 14, kDoubles = 17;
     const std::size_t place = index % kCycle;
     return place < kSingles   ? Suite::kSingle
@@ -100,6 +103,13 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// Of this thread; a diagnosis starts no other.
+double processorSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 void saveCase(const Case& drawn, const std::filesystem::path& folder) {
   const std::string stem = drawn.run.recording.name;
   writeCsv(drawn.run, folder / (stem + ".csv"));
@@ -121,6 +131,7 @@ CaseResult runCase(const Options& options, std::size_t index) {
   result.mechanism = drawn.mechanism;
   result.motion = drawn.motion;
   result.duration_s = drawn.rig.duration_s;
+  result.joints = drawn.rig.body.joints();
   result.effects = drawn.effects;
   result.truth = truthOf(drawn);
   result.simulating_s = secondsSince(start);
@@ -131,6 +142,7 @@ CaseResult runCase(const Options& options, std::size_t index) {
     return result;
   }
   const auto diagnosing = Clock::now();
+  const double begun_s = processorSeconds();
   try {
     diagnose::DiagnoseOptions how;
     how.seed = drawn.seed;
@@ -146,6 +158,7 @@ CaseResult runCase(const Options& options, std::size_t index) {
     result.score.outcome = Outcome::kFailed;
   }
   result.diagnosing_s = secondsSince(diagnosing);
+  result.processor_s = processorSeconds() - begun_s;
   return result;
 }
 
@@ -221,8 +234,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->capture_default_str();
   app.add_option("--first", options.first, "number of the first case of the seed")->capture_default_str();
   app.add_option("--suite", options.suite, "what is missing")
-      ->check(
-          CLI::IsMember({"single", "double", "none", "unknown", "defect", "all", "planted", "conventions"}))
+      ->check(CLI::IsMember(
+          {"single", "double", "none", "unknown", "defect", "all", "chain", "planted", "conventions"}))
       ->capture_default_str();
   app.add_option("--data", options.data,
                  "folder of measured recordings, for the suites planted and conventions")
@@ -239,7 +252,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->capture_default_str();
   app.add_option("--only", options.wish.effect, "kind of effect");
   app.add_option("--mechanism", options.wish.mechanism,
-                 "paper_leg, adult_leg, light_arm, knee or linear_axis");
+                 "paper_leg, adult_leg, light_arm, knee, linear_axis, chain or planar_chain");
+  app.add_option("--joints", options.wish.joints, "of chains, instead of 2 to 7")
+      ->check(CLI::Range(kFewestJoints, kMostJoints));
   app.add_option("--motion", options.wish.motion, "multisine, gait or sine");
   app.add_option("--strength", options.wish.strength, "of each effect, instead of 0.5 to 5")
       ->check(CLI::PositiveNumber);
@@ -248,6 +263,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                "diagnose nothing; of the suite conventions, judge the columns only");
   try {
     app.parse(argc, argv);
+    if (options.suite == "chain" && options.wish.mechanism.empty()) {
+      options.wish.mechanism = "chain";
+    }
+    if (options.wish.joints != 0 && options.wish.mechanism.find("chain") == std::string::npos) {
+      throw CLI::ValidationError("--joints",
+                                 "belongs to chains: --suite chain, --mechanism chain or planar_chain");
+    }
     const bool measured = options.suite == "planted" || options.suite == "conventions";
     if (measured == options.data.empty()) {
       throw CLI::ValidationError("--data", "belongs to the suites planted and conventions, which need it");

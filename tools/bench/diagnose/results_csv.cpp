@@ -44,11 +44,11 @@ std::string cell(std::string text) {
 }  // namespace
 
 std::string csvHeader() {
-  return "seed,suite,mechanism,motion,duration_s,truth,truth_parameters,strength,raw_strength,in_span,"
+  return "seed,suite,mechanism,joints,motion,duration_s,truth,truth_parameters,strength,raw_strength,in_span,"
          "verdict,"
          "found,found_parameters,p_value,gain_nats,set,outcome,named_right,false_findings,unexplained,"
          "right_variable,true_noise_Nm,noise_floor_Nm,heldout_before_Nm,heldout_refitted_Nm,heldout_after_Nm,"
-         "heldout_before_noise,heldout_after_noise,simulating_s,diagnosing_s,error\n";
+         "heldout_before_noise,heldout_after_noise,simulating_s,diagnosing_s,processor_s,error\n";
 }
 
 std::string csvRow(const CaseResult& one) {
@@ -61,6 +61,7 @@ std::string csvRow(const CaseResult& one) {
       std::to_string(one.seed),
       std::string(suiteName(one.suite)),
       one.mechanism,
+      std::to_string(one.joints),
       one.motion,
       fmt::format("{:.1f}", one.duration_s),
       joined(one.effects, [](const CaseEffect& e) { return e.effect.label(); }),
@@ -91,6 +92,7 @@ std::string csvRow(const CaseResult& one) {
       number(one.score.heldout_after),
       fmt::format("{:.2f}", one.simulating_s),
       fmt::format("{:.2f}", one.diagnosing_s),
+      fmt::format("{:.2f}", one.processor_s),
       one.error};
   std::string row;
   for (const std::string& text : cells) {

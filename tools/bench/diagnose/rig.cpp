@@ -66,7 +66,7 @@ std::vector<double> bursts(Random& random, std::size_t count) {
 Surroundings surroundingsOf(const Rig& rig, std::size_t count) {
   Surroundings around;
   Random patient(rig.seed, kPatient);
-  constexpr double kShared = 0.4;  // what hip and knee have in common
+  constexpr double kShared = 0.4;  // what the joints have in common
   const std::vector<double> common = slowNoise(patient, 1.0, rig.human_bandwidth_Hz, count);
   for (std::size_t j = 0; j < rig.body.joints(); ++j) {
     around.human_Nm[j] = slowNoise(patient, 1.0, rig.human_bandwidth_Hz, count);
@@ -93,15 +93,18 @@ Surroundings surroundingsOf(const Rig& rig, std::size_t count) {
 // differences of the counted angle through a low-pass.
 class Controller {
  public:
-  Controller(const Rig& rig, std::span<const TrueEffect> effects) : rig_(&rig) {
+  Controller(const Rig& rig, std::span<const TrueEffect> effects) : rig_(&rig), nominal_(rig.nominal) {
     const double omega = kTurn * rig.control_bandwidth_Hz;
-    const Pair middle{rig.reference[0].centre_rad, rig.reference[1].centre_rad};
-    Body weightless = rig.nominal;
-    weightless.gravity_m_s2 = 0.0;
+    PerJoint middle{};
     for (std::size_t j = 0; j < rig.body.joints(); ++j) {
-      Pair unit{};
+      middle[j] = rig.reference[j].centre_rad;
+    }
+    InverseDynamics unloaded(weightless(rig.nominal));
+    for (std::size_t j = 0; j < rig.body.joints(); ++j) {
+      PerJoint unit{};
       unit[j] = 1.0;
-      const double inertia = inverseDynamics(weightless, middle, {}, unit)[j];
+      // A chain's corrections are accelerations: its inertia matrix is far from diagonal.
+      const double inertia = isChain() ? 1.0 : unloaded(middle, {}, unit)[j];
       stiffness_[j] = inertia * omega * omega;
       damping_[j] = 2.0 * inertia * omega;
     }
@@ -115,31 +118,48 @@ class Controller {
     }
   }
 
-  Pair command(const Target& target, const Pair& counted) {
+  PerJoint command(const Target& target, const PerJoint& counted) {
     constexpr double kRateFilter_Hz = 30.0;
     const double share = 1.0 - std::exp(-kTurn * kRateFilter_Hz * kTick_s);
-    Pair torque = inverseDynamics(rig_->nominal, target.q, target.dq, target.ddq);
+    PerJoint correction{};
     for (std::size_t j = 0; j < rig_->body.joints(); ++j) {
       const double difference = has_last_ ? (counted[j] - last_[j]) / kTick_s : 0.0;
       rate_[j] += share * (difference - rate_[j]);
-      torque[j] += stiffness_[j] * (target.q[j] - counted[j]) + damping_[j] * (target.dq[j] - rate_[j]);
+      correction[j] = stiffness_[j] * (target.q[j] - counted[j]) + damping_[j] * (target.dq[j] - rate_[j]);
     }
     last_ = counted;
     has_last_ = true;
+    PerJoint acceleration = target.ddq;
+    if (isChain()) {
+      add(correction, acceleration);
+      return nominal_(target.q, target.dq, acceleration);
+    }
+    PerJoint torque = nominal_(target.q, target.dq, acceleration);
+    add(correction, torque);
     return torque;
   }
 
  private:
+  bool isChain() const noexcept { return rig_->body.shape == Shape::kChain; }
+  static void add(const PerJoint& more, PerJoint& to) noexcept {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      to[j] += more[j];
+    }
+  }
+
   const Rig* rig_;
-  Pair stiffness_{}, damping_{}, last_{}, rate_{};
+  InverseDynamics nominal_;
+  PerJoint stiffness_{}, damping_{}, last_{}, rate_{};
   bool has_last_ = false;
 };
 
-Pair counted(const Pair& angle, double step_rad) {
-  if (step_rad <= 0.0) {
-    return angle;
+PerJoint counted(PerJoint angle, const PerJoint& step_rad) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (step_rad[j] > 0.0) {
+      angle[j] = step_rad[j] * std::round(angle[j] / step_rad[j]);
+    }
   }
-  return {step_rad * std::round(angle[0] / step_rad), step_rad * std::round(angle[1] / step_rad)};
+  return angle;
 }
 
 // The rows as a loader reads them: straight lines between the positions that came, at equal times; a lost
@@ -182,10 +202,13 @@ void record(const Rig& rig, const Surroundings& around, Run& run) {
   Random bus(rig.seed, kBus);
   for (std::size_t i = 0; i < count; ++i) {
     run.stamp_s.push_back(static_cast<double>(i) * kTick_s + bus.uniform(-rig.jitter_s, rig.jitter_s));
-    const Pair angle = counted({run.encoder_rad[0][i], rig.body.joints() > 1 ? run.encoder_rad[1][i] : 0.0},
-                               rig.encoder_step_rad);
+    PerJoint angle{};
     for (std::size_t j = 0; j < rig.body.joints(); ++j) {
-      const double torque_Nm = run.command_Nm[j][i] + rig.torque_noise_Nm * sensors.normal();
+      angle[j] = run.encoder_rad[j][i];
+    }
+    angle = counted(angle, rig.encoder_step_rad);
+    for (std::size_t j = 0; j < rig.body.joints(); ++j) {
+      const double torque_Nm = run.command_Nm[j][i] + rig.torque_noise_Nm[j] * sensors.normal();
       // The first row sets the loader going.
       const bool lost = bus.chance(rig.loss_probability) && i > 0;
       run.raw_position_rad[j].push_back(lost ? kLost : angle[j]);
@@ -227,41 +250,6 @@ Target targetAt(const std::array<JointReference, kJoints>& reference, double tim
   return target;
 }
 
-Pair inverseDynamics(const Body& body, const Pair& q, const Pair& dq, const Pair& ddq) {
-  if (body.shape == Shape::kPrismatic) {
-    return {body.mass_kg[0] * (ddq[0] + body.gravity_m_s2 * std::sin(body.inclination_rad)) +
-                body.damping_Nms_rad[0] * dq[0],
-            0.0};
-  }
-  if (body.shape == Shape::kRevolute) {
-    return {body.inertia_kg_m2[0] * ddq[0] + body.moment_kg_m * body.gravity_m_s2 * std::cos(q[0]) +
-                body.damping_Nms_rad[0] * dq[0],
-            0.0};
-  }
-  // Newton and Euler: accelerations of the centres of mass outwards, forces and moments inwards.
-  const double thigh = q[0], shank = q[0] + q[1];
-  const double w1 = dq[0], w2 = dq[0] + dq[1];
-  const double e1 = ddq[0], e2 = ddq[0] + ddq[1];
-  const Pair along1{std::cos(thigh), std::sin(thigh)}, across1{-along1[1], along1[0]};
-  const Pair along2{std::cos(shank), std::sin(shank)}, across2{-along2[1], along2[0]};
-  Pair force1{}, force2{}, knee_acceleration{};
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double weight = i == 1 ? body.gravity_m_s2 : 0.0;
-    const double turn1 = e1 * across1[i] - w1 * w1 * along1[i];
-    const double turn2 = e2 * across2[i] - w2 * w2 * along2[i];
-    knee_acceleration[i] = body.length_m[0] * turn1;
-    force1[i] = body.mass_kg[0] * (body.com_m[0] * turn1 + weight);
-    force2[i] = body.mass_kg[1] * (knee_acceleration[i] + body.com_m[1] * turn2 + weight);
-  }
-  const auto moment = [](double lever, const Pair& along, const Pair& force) {
-    return lever * (along[0] * force[1] - along[1] * force[0]);
-  };
-  const double knee = body.inertia_kg_m2[1] * e2 + moment(body.com_m[1], along2, force2);
-  const double hip = body.inertia_kg_m2[0] * e1 + moment(body.com_m[0], along1, force1) +
-                     moment(body.length_m[0], along1, force2) + knee;
-  return {hip + body.damping_Nms_rad[0] * dq[0], knee + body.damping_Nms_rad[1] * dq[1]};
-}
-
 Run simulate(const Rig& rig, std::span<const TrueEffect> effects) {
   const auto count = static_cast<std::size_t>(std::lround(rig.duration_s / kTick_s));
   const Surroundings around = surroundingsOf(rig, count + 1);
@@ -270,10 +258,10 @@ Run simulate(const Rig& rig, std::span<const TrueEffect> effects) {
   Controller controller(rig, effects);
   Run run;
   for (std::size_t i = 0; i < count && run.stable; ++i) {
-    const Pair seen = plant.encoder();
+    const PerJoint seen = plant.encoder();
     const Target target = targetAt(rig.reference, static_cast<double>(i) * kTick_s);
     // The controller closes its loop on the motor: a rig with a soft transmission would sway otherwise.
-    const Pair command = controller.command(target, counted(plant.motorPosition(), rig.encoder_step_rad));
+    const PerJoint command = controller.command(target, counted(plant.motorPosition(), rig.encoder_step_rad));
     for (std::size_t j = 0; j < rig.body.joints(); ++j) {
       run.encoder_rad[j].push_back(seen[j]);
       run.command_Nm[j].push_back(command[j]);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "tools/bench/diagnose/inverse_dynamics.hpp"
 #include "tools/bench/diagnose/plant.hpp"
 #include "tools/recordings/recording.hpp"
 
@@ -26,7 +27,7 @@ struct JointReference {
 };
 
 struct Target {
-  Pair q{}, dq{}, ddq{};
+  PerJoint q{}, dq{}, ddq{};
 };
 Target targetAt(const std::array<JointReference, kJoints>& reference, double time_s);
 
@@ -36,11 +37,11 @@ struct Rig {
   Body nominal;  ///< as the controller, and who diagnoses, believe it to be
   std::array<JointReference, kJoints> reference;
   double duration_s = 30.0;
-  double encoder_step_rad = 0.0;
+  PerJoint encoder_step_rad{};
   double jitter_s = 0.0;          ///< time stamps are off by at most this
   double loss_probability = 0.0;  ///< of a frame
-  double torque_noise_Nm = 0.0;   ///< standard deviation, white
-  Pair human_Nm{};                ///< standard deviation
+  PerJoint torque_noise_Nm{};     ///< standard deviation, white
+  PerJoint human_Nm{};            ///< standard deviation
   double human_bandwidth_Hz = 1.0;
   std::size_t emg_channels = 0;
   double emg_noise = 0.02;  ///< standard deviation of the activation
@@ -61,9 +62,6 @@ struct Run {
 
 /// Same rig, same noise: what the patient and the sensors do depends on rig.seed alone.
 Run simulate(const Rig& rig, std::span<const TrueEffect> effects);
-
-/// Inverse dynamics of a body, damping included: N·m in the joints.
-Pair inverseDynamics(const Body& body, const Pair& q, const Pair& dq, const Pair& ddq);
 
 /// Header t_s,q1_rad,…,tau1_Nm,…,activation1,…; the cells of lost frames are empty. Throws app::FileError.
 void writeCsv(const Run& run, const std::filesystem::path& path);

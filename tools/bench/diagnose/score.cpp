@@ -235,7 +235,7 @@ Truth truthOf(const Case& drawn) {
     truth.in_span = truth.in_span || effect.in_span;
   }
   const Analysis analysis = analyse(drawn.rig, drawn.run, diagnose::DatasetOptions{}.band_Hz);
-  const Pair noise_Nm = heldoutNoise_Nm(analysis, diagnose::DiagnoseOptions{}.holdout_fraction);
+  const PerJoint noise_Nm = heldoutNoise_Nm(analysis, diagnose::DiagnoseOptions{}.holdout_fraction);
   truth.heldout_noise_Nm.assign(noise_Nm.begin(),
                                 noise_Nm.begin() + static_cast<std::ptrdiff_t>(drawn.rig.body.joints()));
   return truth;

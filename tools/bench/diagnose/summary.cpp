@@ -39,6 +39,10 @@ std::string text(const Proportion& p) {
 bool diagnosed(const CaseResult& one) {
   return one.error.empty();
 }
+// Of a processor, for each second of the recording and joint.
+double secondsEach(const CaseResult& one) {
+  return one.processor_s / (one.duration_s * static_cast<double>(one.joints));
+}
 Test of(Suite suite) {
   return [suite](const CaseResult& one) { return one.suite == suite && !one.truth.in_span; };
 }
@@ -103,6 +107,46 @@ std::string confusionText(const Confusion& confusion) {
   return lines + "\n";
 }
 
+// A line for each number of joints, where there are several or they are chains.
+std::string jointsText(std::span<const CaseResult> results) {
+  const auto isChain = [](const CaseResult& one) { return one.mechanism.ends_with("chain"); };
+  if (std::none_of(results.begin(), results.end(), isChain)) {
+    return "";
+  }
+  std::string lines =
+      "\nChains by number of joints: an effect found where nothing is missing; one effect named right, a "
+      "false\n"
+      "finding; two effects named right; unknown effects called unknown; processor seconds for each second "
+      "and "
+      "joint\n";
+  constexpr std::size_t kMost = 8;
+  for (std::size_t joints = 1; joints <= kMost; ++joints) {
+    const auto those = [&](Suite suite) {
+      return [=](const CaseResult& one) { return isChain(one) && one.joints == joints && of(suite)(one); };
+    };
+    const auto share = [&](Suite suite, const Test& hits) {
+      const Proportion p = proportion(results, those(suite), hits);
+      return fmt::format("{:3}/{:<3}", p.hits, p.cases);
+    };
+    std::vector<double> seconds;
+    for (const CaseResult& one : results) {
+      if (isChain(one) && one.joints == joints && diagnosed(one)) {
+        seconds.push_back(secondsEach(one));
+      }
+    }
+    if (!seconds.empty()) {
+      lines += fmt::format(
+          "  {}: null {}  single {} false {}  double {}  unknown {}  {:.3f} s\n", joints,
+          share(Suite::kNone, [](const CaseResult& one) { return !one.diagnosis.effects.empty(); }),
+          share(Suite::kSingle, namedRight),
+          share(Suite::kSingle, [](const CaseResult& one) { return one.score.false_findings > 0; }),
+          share(Suite::kDouble, namedRight), share(Suite::kUnknown, was(Outcome::kRight)),
+          offline::median(seconds));
+    }
+  }
+  return lines;
+}
+
 std::string parameterText(std::span<const CaseResult> results) {
   std::map<std::string, std::vector<const ParameterScore*>> by_name;
   std::vector<double> all_errors;
@@ -162,21 +206,25 @@ std::string heldoutText(std::span<const CaseResult> results) {
 }
 
 std::string costText(std::span<const CaseResult> results) {
-  std::vector<double> simulating, diagnosing;
+  std::vector<double> simulating, diagnosing, relative;
   std::size_t failed = 0;
   for (const CaseResult& one : results) {
     failed += diagnosed(one) ? 0 : 1;
     simulating.push_back(one.simulating_s);
     diagnosing.push_back(one.diagnosing_s);
+    relative.push_back(secondsEach(one));
   }
   if (simulating.empty()) {
     return "";
   }
   return fmt::format(
       "\n  seconds a case: drawing {:.2f} (median), diagnosis {:.2f} (median), {:.2f} (longest); "
-      "{} diagnoses failed\n",
+      "{} diagnoses failed\n"
+      "  processor seconds of diagnosis for each second of recording and joint: {:.3f} (median), {:.3f} "
+      "(most)\n",
       offline::median(simulating), offline::median(diagnosing),
-      *std::max_element(diagnosing.begin(), diagnosing.end()), failed);
+      *std::max_element(diagnosing.begin(), diagnosing.end()), failed, offline::median(relative),
+      *std::max_element(relative.begin(), relative.end()));
 }
 
 }  // namespace
@@ -300,7 +348,7 @@ std::string summaryText(std::span<const CaseResult> results) {
   if (singles) {
     lines += powerText(results) + confusionText(confusionOf(results));
   }
-  return lines + parameterText(results) + heldoutText(results) + costText(results);
+  return lines + jointsText(results) + parameterText(results) + heldoutText(results) + costText(results);
 }
 
 }  // namespace patella::bench

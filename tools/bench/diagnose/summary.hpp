@@ -17,6 +17,7 @@ struct CaseResult {
   Suite suite = Suite::kNone;
   std::string mechanism, motion;
   double duration_s = 0.0;
+  std::size_t joints = 1;
   std::vector<CaseEffect> effects;
   Truth truth;
   diagnose::Diagnosis diagnosis;  ///< without its curves
@@ -24,6 +25,7 @@ struct CaseResult {
   std::string error;  ///< what diagnosis threw; everything after `truth` is then void
   double simulating_s = 0.0;
   double diagnosing_s = 0.0;
+  double processor_s = 0.0;  ///< of the diagnosis
 };
 
 struct Proportion {

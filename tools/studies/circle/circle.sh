@@ -5,6 +5,8 @@
 #
 #   tools/studies/circle/circle.sh --bin BUILD --out DIR [RIG_MODEL.toml ...]      default: every model beside this script
 #
+# A rig of the kind serial_chain is of two legs in one loop.
+#
 # Nothing but the loop's model differs between the three runs: one rig, one reference, one seed.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
@@ -24,11 +26,22 @@ while [ $# -gt 0 ]; do
   esac
 done
 [ -n "$out" ] || { echo "circle.sh: --out DIR is missing" >&2; exit 2; }
-[ ${#rigs[@]} -gt 0 ] || rigs=(tools/studies/circle/*.toml)
+[ ${#rigs[@]} -gt 0 ] || rigs=(tools/studies/circle/*.toml tools/studies/circle/two_legs/*.toml)
 
-config=firmware_app/config/identification.toml
-model=firmware_app/config/models/adult.toml
-unseen=firmware_app/config/references/unseen.toml
+# Configuration of the loop, its model and the motion that is not recorded, for the rig of this round.
+choose() {
+  if grep -q '^kind = "serial_chain"' "$rig"; then
+    config=firmware_app/config/two_legs_identification.toml
+    model=firmware_app/config/models/two_legs.toml
+    unseen=firmware_app/config/references/two_legs_unseen.toml
+    joints=(q1 q2 q3 q4)
+  else
+    config=firmware_app/config/identification.toml
+    model=firmware_app/config/models/adult.toml
+    unseen=firmware_app/config/references/unseen.toml
+    joints=(hip knee)
+  fi
+}
 
 # The loop on the rig of this round: FOLDER and what differs from the configuration.
 run() {
@@ -49,18 +62,19 @@ number() {
 row() {
   local text=$1 key=$2 joint run
   shift 2
-  for joint in 1 2; do
+  for joint in $(seq "${#joints[@]}"); do
     for run in "$@"; do
       number "$run" "$key" "$joint"
     done
   done | awk -v text="$text" '
-    { line = line sprintf("%10.4f", $1) (NR == 3 ? "   " : "") }
+    { line = line (NR > 1 && NR % 3 == 1 ? "   " : "") sprintf("%10.4f", $1) }
     END { printf "  %-34s%s\n", text, line }'
 }
 
 for rig in "${rigs[@]}"; do
   name=$(basename "$rig" .toml)
   folder=$out/$name
+  choose
   printf '\n%s\n' "$name"
   sed -n '/^#/!q; s/^# /  hidden: /p' "$rig" | sed '2,$s/hidden: //'
   run "$folder/recorded"
@@ -69,7 +83,11 @@ for rig in "${rigs[@]}"; do
   run "$folder/plain" --reference "$unseen" --seed 2
   run "$folder/extended" --reference "$unseen" --seed 2 --model "$folder/diagnosis/model.extended.toml"
   run "$folder/truth" --reference "$unseen" --seed 2 --model "$rig"
-  printf '  %-32s%s\n' "" "hip: plain  extended     truth  knee: plain  extended     truth"
+  printf '  %-29s' ""
+  for joint in "${joints[@]}"; do
+    printf '%13s%10s%10s' "$joint: plain" extended truth
+  done
+  printf '\n'
   runs=("$folder/plain" "$folder/extended" "$folder/truth")
   row "residual d̂, N·m rms" d_hat_rms_Nm "${runs[@]}"
   row "unknown f̂_u, rad/s² rms" f_s_filtered_rms_rad_s2 "${runs[@]}"
