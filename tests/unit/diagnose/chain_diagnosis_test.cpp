@@ -115,13 +115,3 @@ TEST_CASE("friction of one joint of four is found there and nowhere else") {
   CHECK(within >= static_cast<int>(diagnosis.nominal.size()) - 2);
   CHECK_NOTHROW(model::makeModel(diagnosis.extended));
 }
-
-TEST_CASE("a payload at the end point of an arm is found on its last segment") {
-  const model::SerialChainParameters chain = arm(3);
-  const Recording recording =
-      moved({.mechanism = chain, .effects = {{.kind = "payload", .joint = 2, .parameters = {0.4, 0.25}}}},
-            20.0, 0.02);
-  const Diagnosis diagnosis = diagnosed(recording, wrong(chain), kPlain);
-  CHECK(diagnosis.verdict == Verdict::kEffectFound);
-  REQUIRE(labels(diagnosis) == std::vector<std::string>{"payload@3"});
-}
