@@ -44,7 +44,7 @@ fit/kDifference fit/kFarthest_rad fit/kLargestLogarithm fit/kLargest_rad fit/kNe
 fit/kRounding fit/kSimulationWindow_s
 checks/kAny checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDelay_s checks/kLongestLag_s
 checks/kMillisecond checks/kPercent checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns
-search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kLargestLogarithm search/kLastSteps
+search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kLargestLogarithm search/kLastSteps search/kLeastVariance_Nm2
 search/kOffTheBound search/kSlowest_rad_s search/kSpanned
 verdict/kBand_Hz verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
 verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kPercent verdict/kRate_Hz verdict/kRidge

@@ -65,13 +65,13 @@ PhysicalParameters::PhysicalParameters(const model::MechanismDescription& nomina
 }
 
 Eigen::VectorXd PhysicalParameters::spreadsOfBase() const {
-  constexpr double kStep = 1e-4;
+  constexpr double kRelativeStep = 1e-4;
   const model::BaseParameters base = baseParametersOf(nominal_);
   Eigen::MatrixXd slopes(base.size(), static_cast<Eigen::Index>(count()));
   for (std::size_t i = 0; i < count(); ++i) {
     std::vector<double> moved(count(), 0.0);
-    moved[i] = kStep;
-    slopes.col(static_cast<Eigen::Index>(i)) = (baseParametersOf(freeAt(moved)) - base) / kStep;
+    moved[i] = kRelativeStep;
+    slopes.col(static_cast<Eigen::Index>(i)) = (baseParametersOf(freeAt(moved)) - base) / kRelativeStep;
   }
   // Nothing of what cannot move counts.
   return (slopes.rowwise().norm().array() > 0.0).select(slopes.rowwise().norm(), HUGE_VAL);
