@@ -282,9 +282,6 @@ inline constexpr double kAnotherSlope = 1.25;
 /// in 179 of 197 parameters (patella-bench-diagnose, seeds 106 to 108); so much wider they hold it in 185. An
 /// effect whose interval holds zero is not asserted.
 inline constexpr double kShapeAllowance = 1.3;
-/// Factor either way up to which a strength may be unknown where it is known up to a factor, as of a drive
-/// with a spring that shows its resonance alone: a decade. More is what an interval that holds zero is.
-inline constexpr double kDecade = 10.0;
 }  // namespace asserted
 
 /// Is what is left unknown?

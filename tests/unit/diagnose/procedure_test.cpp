@@ -99,16 +99,6 @@ TEST_CASE("warming up is one effect, though the recording ends long before it do
   }
 }
 
-TEST_CASE("what is known to a factor of ten at best is not asserted in place of a tremor") {
-  const diagnose::Diagnosis diagnosis =
-      diagnosed(drawCase(92000064, Suite::kSingle, {.effect = {}, .mechanism = {}, .motion = "multisine"}));
-  for (const diagnose::EffectFinding& finding : diagnosis.effects) {
-    CAPTURE(finding.kind);
-    CHECK((finding.kind == "tremor" || !finding.asserted()));
-  }
-  CHECK(diagnosis.verdict != diagnose::Verdict::kNothingMissing);
-}
-
 TEST_CASE("a spring over two joints and one that hardens are unknown, by their variable") {
   const diagnose::Diagnosis coupled =
       diagnosed(drawCase(92000097, Suite::kUnknown, {.effect = {}, .mechanism = {}, .motion = "multisine"}));

@@ -204,9 +204,7 @@ bool strengthIsUnknown(const EffectFinding& effect) {
     const bool counts =
         has_strengths ? isStrength(effect.kind, estimate.name) : &estimate == &effect.parameters.front();
     const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
-    const bool any_size =
-        estimate.by_factor && estimate.ci95[1] > asserted::kDecade * std::abs(estimate.value);
-    if (counts && !any_size && !stands.anything && !stands.at_low && !stands.at_high && !stands.holds_zero) {
+    if (counts && !stands.anything && !stands.at_low && !stands.at_high && !stands.holds_zero) {
       return false;
     }
   }
