@@ -1,6 +1,7 @@
 // The free numbers of chains: bodies that could be, as many of them as motion can tell.
 #include "tools/diagnose/fit/chain_bodies.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include <Eigen/Eigenvalues>
@@ -127,7 +128,7 @@ TEST_CASE("a chain has as many free numbers as base parameters, one fewer where 
     CHECK(bodies.named(zero).size() == bodies.count());
 
     const ChainBodies scaled(parameters, true);
-    CHECK(scaled.count() + 1 == bodies.count());
+    CHECK(scaled.count() == std::max<std::size_t>(1, bodies.count() - 1));
   }
 }
 

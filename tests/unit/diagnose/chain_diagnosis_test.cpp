@@ -1,5 +1,6 @@
 // Diagnoses of chains: the same as the leg's where a chain is a leg, and effects found where they are.
 #include <algorithm>
+#include <cmath>
 
 #include <doctest/doctest.h>
 
@@ -114,4 +115,38 @@ TEST_CASE("friction of one joint of four is found there and nowhere else") {
   }
   CHECK(within >= static_cast<int>(diagnosis.nominal.size()) - 2);
   CHECK_NOTHROW(model::makeModel(diagnosis.extended));
+}
+
+TEST_CASE(
+    "a joint without drive that has one base parameter keeps its mass: spring and damping by the motion") {
+  model::ChainLink carriage;
+  carriage.name = "carriage";
+  carriage.joint = model::ChainJoint::kPrismatic;
+  carriage.axis = {1.0, 0.0, 0.0};
+  carriage.mass_kg = 2.0;
+  carriage.inertia_kg_m2 = {0.01, 0.01, 0.01, 0.0, 0.0, 0.0};
+  model::SerialChainParameters rail;
+  rail.links = {carriage};
+  // m ddq + d dq + k q = 0 with d = 0.2 N·s/m and k = 18.005 N/m.
+  constexpr double kDecay_1_s = 0.05, kOmega_rad_s = 3.0, kStep_m = 2e-5;
+  Recording recording;
+  recording.name = "let go";
+  recording.rate_Hz = 500.0;
+  recording.joints = 1;
+  recording.torque_timing = TorqueTiming::kSampled;
+  for (int i = 0; i < 10'000; ++i) {
+    const double time_s = i / recording.rate_Hz;
+    const double q_m = 0.3 * std::exp(-kDecay_1_s * time_s) * std::cos(kOmega_rad_s * time_s);
+    recording.time_s.push_back(time_s);
+    recording.position_rad[0].push_back(kStep_m * std::round(q_m / kStep_m));
+    recording.torque_Nm[0].push_back(0.0);
+  }
+  recording.segments = {{0, recording.rows()}};
+  const Diagnosis diagnosis = diagnosed(recording, rail, kPlain);
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
+  REQUIRE(labels(diagnosis) == std::vector<std::string>{"linear_stiffness@1", "viscous_friction@1"});
+  for (const EffectFinding& effect : diagnosis.effects) {
+    const double truth = effect.kind == "viscous_friction" ? 0.2 : 18.005;
+    CHECK(effect.parameters.front().value == doctest::Approx(truth).epsilon(0.02));
+  }
 }

@@ -13,7 +13,7 @@ constexpr Eigen::Index kPerBody = 10;
 /// Of x, for derivatives by differences to both sides: their errors are 1e-10 of the link's parameters.
 constexpr double kDifference = 1e-5;
 /// What a number moves of a base parameter, as a part of what links of that size have of it, is rounding
-/// below this; and so is a singular value below this part of the largest.
+/// below this; and so is what a direction moves of them all, each in units of its spread.
 constexpr double kRounding = 1e-7;
 /// A link's mass is never moved by more than the exponential of this, nor another number by more, whatever
 /// the data say.
@@ -159,7 +159,8 @@ void ChainBodies::findDirections() {
       slopes(told_, Eigen::all);
   const Eigen::JacobiSVD<Eigen::MatrixXd> decomposition(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& values = decomposition.singularValues();
-  const Eigen::Index rank = values.size() == 0 ? 0 : (values.array() > kRounding * values[0]).count();
+  // A fit has one number at least: of an undriven joint with one base parameter, one that moves nothing.
+  const Eigen::Index rank = std::max<Eigen::Index>(1, (values.array() > kRounding).count());
   directions_ = decomposition.matrixV().leftCols(rank);
 }
 
