@@ -8,6 +8,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "drivers/process_signals.hpp"
+
 namespace patella {
 namespace {
 
@@ -51,6 +53,7 @@ SignalStack::InUse::~InUse() {
 }
 
 std::thread startThread(std::function<void()> work) {
+  const ProcessSignalsLeft left;
   return std::thread([stack = SignalStack(), work = std::move(work)] {
     const SignalStack::InUse in_use(stack);
     work();

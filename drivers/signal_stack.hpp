@@ -39,8 +39,8 @@ class SignalStack {
   std::size_t usable_bytes_ = 0;
 };
 
-/// A thread with a signal stack of its own: how every thread of a loop's process is started. Throws
-/// std::system_error when thread or stack cannot be had.
+/// A thread with a signal stack of its own, which leaves to others what is sent to the process: how every
+/// thread of a loop's process is started. Throws std::system_error when thread or stack cannot be had.
 std::thread startThread(std::function<void()> work);
 
 }  // namespace patella

@@ -4,6 +4,7 @@
 #include <exception>
 #include <thread>
 
+#include "drivers/process_signals.hpp"
 #include "drivers/signal_stack.hpp"
 
 namespace patella::app {
@@ -19,7 +20,9 @@ std::unique_ptr<RealtimeSetup> runOnThread(Loop& loop, const RealtimeOptions& op
   std::unique_ptr<RealtimeSetup> setup;
   std::exception_ptr failure;
   std::atomic<bool> finished{false};
+  const ProcessSignalsLeft left;
   std::thread thread = startThread([&] {
+    takeProcessSignals();
     try {
       setup = std::make_unique<RealtimeSetup>(options);
       loop.run(stop);

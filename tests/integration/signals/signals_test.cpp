@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 
+#include "drivers/process_signals.hpp"
 #include "firmware_app/realtime/signal_reactions.hpp"
 #include "tests/integration/signals/watched_run.hpp"
 #include "tests/support/paths.hpp"
@@ -37,6 +38,7 @@ const std::string kHeader =
 struct Outcome {
   Aftermath after;
   bool went_on = false;  ///< commanded torque for some time after the signal
+  bool loop_reacted = false;
   int status = -1;
 };
 
@@ -57,7 +59,7 @@ std::map<int, Outcome> sendAtOnce(const std::vector<int>& signals) {
   }
   std::erase_if(runs, [](const auto& run) { return !run.second->becomesActive(); });
   for (const auto& [signal, run] : runs) {
-    run->send(signal);
+    isOfAFault(signal) ? run->sendToLoopThread(signal) : run->send(signal);
   }
   std::map<int, Outcome> outcomes;
   for (const auto& [signal, run] : runs) {
@@ -70,6 +72,7 @@ std::map<int, Outcome> sendAtOnce(const std::vector<int>& signals) {
     } else {
       outcome.status = run->wait();
       outcome.after = run->aftermath();
+      outcome.loop_reacted = run->loopReacted();
     }
     if (!disturbed(outcome.status)) {
       outcomes.emplace(signal, outcome);
@@ -228,7 +231,9 @@ TEST_CASE("every signal lets torque go first, ends the run, or leaves it alone o
       const Outcome& outcome = outcomes.at(signal);
       if (row.reaction == Reaction::kLetGo) {
         checkLetGo(outcome, signal);
+        CHECK(outcome.loop_reacted);
       } else if (row.reaction == Reaction::kEnd) {
+        CHECK(outcome.loop_reacted);
         CHECK(ended(signal, outcome) == "exit status 0");
         CHECK(outcome.after.zero_counters.size() == kFramesOfEnd);
         CHECK(outcome.after.exit_counters.empty());

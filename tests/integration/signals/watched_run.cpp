@@ -102,6 +102,9 @@ class NotingPins final : public gpio::Pins {
   explicit NotingPins(Ledger& ledger) noexcept : ledger_(ledger) {}
   bool emergencyStop() noexcept PATELLA_NONBLOCKING override { return false; }
   bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING override {
+    if (app::EmergencyExit::begun()) {
+      ledger_.reacts();
+    }
     ledger_.note(enabled ? Deed::kEnable : Deed::kDisable);
     return true;
   }
@@ -130,6 +133,12 @@ class FallingClock final : public Clock {
 };
 
 std::atomic<bool> g_stop{false};
+std::atomic<Ledger*> g_ledger{nullptr};
+
+void end(int /*signal*/) {
+  g_stop.store(true);
+  g_ledger.load()->reacts();
+}
 
 /// Signals as a fresh process has them that somebody else started; the test framework has its own.
 void inherit(const RunOptions& options) {
@@ -150,7 +159,8 @@ void inherit(const RunOptions& options) {
 
 /// As runLoop() does, but for the recording. A busy host is not the subject: nothing is late.
 int runLoop(Ledger& ledger) {
-  app::reactToSignals([](int) { g_stop.store(true); });
+  g_ledger.store(&ledger);
+  app::reactToSignals(end);
   app::CommandLine line;
   line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
   app::RunConfig config = app::loadRunConfig(line);
@@ -233,6 +243,11 @@ void Ledger::note(Deed deed, std::uint8_t counter) noexcept {
     entries[index].letting_go = app::EmergencyExit::begun();
     entries[index].time_ns.store(now_ns());
   }
+}
+
+void Ledger::reacts() noexcept {
+  pid_t nobody = 0;
+  reacting_thread.compare_exchange_strong(nobody, gettid());
 }
 
 WatchedRun::WatchedRun(const RunOptions& options) {

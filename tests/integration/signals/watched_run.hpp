@@ -37,11 +37,14 @@ struct Ledger {
   std::atomic<std::uint32_t> count{0};
   std::atomic<pid_t> process{0};
   std::atomic<pid_t> loop_thread{0};
+  std::atomic<pid_t> reacting_thread{0};                   ///< the first that a signal's handler ran in
   std::atomic<safety::State> state{safety::State::kInit};  ///< as the latest command says
   std::atomic<int> status{-1};                             ///< as of waitpid(2)
   std::atomic<Place> overflow{Place::kNone};
 
   void note(Deed deed, std::uint8_t counter = 0) noexcept;
+  /// The calling thread is within a signal's handler.
+  void reacts() noexcept;
 };
 
 struct RunOptions {
@@ -87,6 +90,8 @@ class WatchedRun {
   bool alive();
   /// Waits until `commands` of torque followed the signal. False where the loop stops or dies before.
   bool goesOn(std::size_t commands);
+  /// The loop's thread was the first to react: it waits for no other.
+  bool loopReacted() const { return ledger_->reacting_thread.load() == ledger_->loop_thread.load(); }
   Aftermath aftermath() const;
 
  private:
