@@ -178,6 +178,6 @@ TEST_CASE("units, signs and columns that are wrong are named") {
     CAPTURE(message);
     CHECK(says(message, "run.csv: looks like "));
     CHECK(says(message, named));
-    CHECK(says(message, "% of the torque, as given "));
+    CHECK(says(message, "'s torque, as given "));
   }
 }

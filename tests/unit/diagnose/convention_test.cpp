@@ -192,7 +192,7 @@ TEST_CASE("the one that went wrong is told with what it explains, and all that a
   } catch (const WrongConvention& wrong) {
     const std::string words = wrong.what();
     CHECK(words.find("arm.csv: looks like tau2_Nm is of the other sign (−tau2)") == 0);
-    CHECK(words.find("% of the torque, as given -") != std::string::npos);
+    CHECK(words.find(" % of joint 2's torque, as given ") != std::string::npos);
     CHECK_FALSE(wrong.conventions().empty());
   }
 }

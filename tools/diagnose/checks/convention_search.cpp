@@ -21,6 +21,7 @@ using namespace convention;
 constexpr int kAll = -1;
 /// Nobody reads more.
 constexpr std::size_t kMostTold = 6;
+constexpr double kPercent = 100.0;
 
 /// A number on a grid, then between its best neighbours.
 struct Grid {
@@ -134,9 +135,19 @@ std::string told(std::span<const Convention> conventions) {
   return look;
 }
 
-double percentExplained(double error) {
-  constexpr double kPercent = 100.0;
-  return kPercent * (1.0 - error * error);
+// Some joint has more left than machines leave of their models, and every joint that the convention changes is
+// explained by it.
+bool explains(const std::vector<double>& read, const std::vector<double>& given) {
+  bool any = false;
+  for (std::size_t j = 0; j < given.size(); ++j) {
+    if (read[j] < kFarBetter * given[j]) {
+      if (read[j] > std::max(kAsMachines, kSmallPart * given[j])) {
+        return false;
+      }
+      any = any || given[j] > kAsMachines || read[j] < kSmallPart * given[j];
+    }
+  }
+  return any;
 }
 
 }  // namespace
@@ -198,13 +209,7 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
       std::max(-std::log(kFarBetter), kOfEffects * gain(given.error, given.error_with_effects));
   std::vector<ReadAs> all = readings(reader, given, names);
   std::erase_if(all, [&](const ReadAs& one) {
-    for (std::size_t j = 0; j < given.error.size(); ++j) {
-      const double before = given.error[j], after = one.reading.error[j];
-      if (after < kFarBetter * before && after > std::max(kAsMachines, kSmallPart * before)) {
-        return true;
-      }
-    }
-    return gainOf(one, given) < least ||
+    return !explains(one.reading.error, given.error) || gainOf(one, given) < least ||
            gain(one.reading.error, given.error_with_effects, kSensors) >
                static_cast<double>(given.error.size()) * std::log(kTimesEffects);
   });
@@ -238,10 +243,9 @@ void requireConventions(const Recording& recording, const model::ModelDescriptio
     conventions.push_back(one.convention);
   }
   throw WrongConvention(
-      fmt::format("{}:{}: with {} the model explains {:.0f} % of the torque, as given {:.0f} % (joint {})",
+      fmt::format("{}:{}: with {} the model leaves {:.0f} % of joint {}'s torque, as given {:.0f} %",
                   recording.name, told(conventions), best.convention.change,
-                  percentExplained(best.reading.error[joint]), percentExplained(given.error[joint]),
-                  joint + 1),
+                  kPercent * best.reading.error[joint], joint + 1, kPercent * given.error[joint]),
       conventions);
 }
 

@@ -35,7 +35,8 @@ struct DiagnoseOptions {
             .family_wise_p = family_wise_p,
             .seed = seed,
             .gates = gates,
-            .progress = {}};
+            .progress = {},
+            .noise_Nm = {}};
   }
   /// Seed of what estimates how well parameters are known.
   std::uint64_t covarianceSeed() const { return seed + 15485863; }

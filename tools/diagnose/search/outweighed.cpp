@@ -26,8 +26,7 @@ Joints leftBy(ModelFitter& fitter, const ModelFit& fit) {
   return joints;
 }
 
-// The part that only this effect explains over the unexplained rest, on the joint where that is most.
-double overRest(const Joints& with, const Joints& without, std::span<const double> noise_Nm) {
+double mostOverRest(const Joints& with, const Joints& without, std::span<const double> noise_Nm) {
   double most = 0.0;
   for (std::size_t joint = 0; joint < with.square_Nm2.size(); ++joint) {
     const double own = without.square_Nm2[joint] - with.square_Nm2[joint];
@@ -46,6 +45,11 @@ bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
 
 }  // namespace
 
+double overRest(ModelFitter& fitter, const ModelFit& with, const ModelFit& without,
+                std::span<const double> noise_Nm) {
+  return mostOverRest(leftBy(fitter, with), leftBy(fitter, without), noise_Nm);
+}
+
 std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selection,
                                             std::span<const double> noise_Nm) {
   std::vector<const Recipe*> outweighed;
@@ -60,7 +64,7 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
         continue;
       }
       Selection smaller = withoutTerm(fitter, selection, t);
-      const double over = overRest(with, leftBy(fitter, smaller.fit), noise_Nm);
+      const double over = mostOverRest(with, leftBy(fitter, smaller.fit), noise_Nm);
       if (over < least) {
         least = over;
         best = std::move(smaller);

@@ -12,6 +12,7 @@
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/missed.hpp"
+#include "tools/diagnose/search/outweighed.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -53,6 +54,7 @@ class Restatement {
       const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
       // Others may say it all by now.
       std::optional<ModelFit> best;
+      bool best_is_simple = false;
       if (rest.at_edge.empty()) {
         best = rest;
       }
@@ -66,10 +68,12 @@ class Restatement {
         std::optional<ModelFit> simple = added(rest, atom, atom.nu);
         if (simple && simple->at_edge.empty() && (!best || worth(*simple) < worth(*best))) {
           best = std::move(simple);
+          best_is_simple = true;
         }
       }
       if (best && (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ ||
-                   isOutOfRange(t, *best, rest) || !gainIsMissed(fitter_, *best, selection_.fit))) {
+                   isOutOfRange(t, *best, rest) || !gainIsMissed(fitter_, *best, selection_.fit) ||
+                   (best_is_simple && restSpeaksFor(*best, rest)))) {
         take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
@@ -85,6 +89,15 @@ class Restatement {
     return std::any_of(fit.at_edge.begin(), fit.at_edge.end(),
                        [&](const Edge& edge) { return edge.label == label; }) &&
            simple.objective - fit.objective < simpler::kRest * (rest.objective - fit.objective);
+  }
+
+  // What the found effect has beyond the simple one may be the rest, which counts as asserted::kLooks looks at a
+  // shape; and the simple one is more than what it leaves to that rest.
+  bool restSpeaksFor(const ModelFit& simple, const ModelFit& without) {
+    const std::span<const double> noise_Nm = options_.noise_Nm;
+    return !noise_Nm.empty() &&
+           overRest(fitter_, selection_.fit, simple, noise_Nm) < kDeviations95 / std::sqrt(asserted::kLooks) &&
+           overRest(fitter_, simple, without, noise_Nm) >= asserted::kOverRest;
   }
 
   bool isContainedInOthers(const Recipe& recipe, std::size_t but) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/search/selection.hpp"
@@ -12,6 +13,7 @@ struct RestateOptions {
   double unit = 1.0;     ///< what chance brings a parameter, in the units of the fit's objective
   int replicates = 499;  ///< of the bootstrap that says how well parameters are known
   std::uint64_t seed = 1;
+  std::span<const double> noise_Nm{};  ///< as in SelectionOptions
 };
 
 /// Puts special cases in the place of what contains them, one effect in the place of two that are one, and

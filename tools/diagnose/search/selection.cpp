@@ -45,7 +45,11 @@ class Selector {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
     }
-    restate(fitter_, atoms_, {.unit = unit_, .replicates = options_.replicates, .seed = options_.seed},
+    restate(fitter_, atoms_,
+            {.unit = unit_,
+             .replicates = options_.replicates,
+             .seed = options_.seed,
+             .noise_Nm = options_.noise_Nm},
             result_);
     findRivals(fitter_, atoms_, unit_, options_.seed, result_);
     return std::move(result_);
