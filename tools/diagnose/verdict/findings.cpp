@@ -37,7 +37,10 @@ void addConfounds(EffectFinding& finding, int joints) {
   const bool plain =
       std::find(known.begin(), known.end(), "coulomb_friction+viscous_friction") != known.end();
   if (finding.kind == "asymmetric_friction" && !plain) {
-    finding.indistinguishable_from.emplace_back("coulomb_friction+torque_bias");
+    // Where it takes the place of the model's dry friction, the bias is what it adds.
+    const auto& before = finding.replaces;
+    const bool rubbed = std::find(before.begin(), before.end(), "coulomb_friction") != before.end();
+    finding.indistinguishable_from.emplace_back(rubbed ? "torque_bias" : "coulomb_friction+torque_bias");
   }
   // A spring too stiff to show.
   if (finding.kind == "rotor_inertia" &&
@@ -102,7 +105,7 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
 }
 
 EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
-                        const Evidence& evidence, int joints) {
+                        const Evidence& evidence, int joints, std::vector<std::string> replaces) {
   for (ParameterEstimate& parameter : parameters) {
     for (double& limit : parameter.ci95) {
       limit = parameter.by_factor
@@ -116,7 +119,7 @@ EffectFinding findingOf(const std::string& kind, int joint, std::vector<Paramete
                         .p_value = evidence.p_value,
                         .gain = 0.5 * evidence.gain,
                         .indistinguishable_from = {},
-                        .replaces = {},
+                        .replaces = std::move(replaces),
                         .separating_motion = {}};
   for (const std::string& rival : evidence.rivals) {
     const std::string own_joint = "@" + std::to_string(joint + 1);

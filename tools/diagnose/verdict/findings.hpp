@@ -15,9 +15,10 @@ inline constexpr const char* kOutweighedWords = "it explains less than what noth
 
 /// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
 /// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that
-/// would tell them apart. Intervals come out wider, by an allowance for the shape of the effect.
+/// would tell them apart. Intervals come out wider, by an allowance for the shape of the effect. `replaces`:
+/// kinds of the model's effects in whose place it stands.
 EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
-                        const Evidence& evidence, int joints);
+                        const Evidence& evidence, int joints, std::vector<std::string> replaces = {});
 
 /// Adds what cannot be told apart because of what was found together: a spring that rests elsewhere takes up
 /// what two levels of friction differ by.

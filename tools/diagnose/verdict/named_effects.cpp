@@ -27,14 +27,15 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     if (term.declared) {
       continue;
     }
+    std::vector<std::string> replaces;
+    for (const Term& replaced : term.replaced) {
+      replaces.push_back(replaced.recipe->kind);
+    }
     effects.push_back(findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, t),
-                                found.selection.evidence[t], joints));
+                                found.selection.evidence[t], joints, std::move(replaces)));
     if (std::find(found.outweighed.begin(), found.outweighed.end(), term.recipe.get()) !=
         found.outweighed.end()) {
       effects.back().not_asserted_because = kOutweighedWords;
-    }
-    for (const Term& replaced : term.replaced) {
-      effects.back().replaces.push_back(replaced.recipe->kind);
     }
     for (const FreeFunction& function : free) {
       if (function.holds(t)) {
