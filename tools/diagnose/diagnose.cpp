@@ -14,6 +14,7 @@
 #include "tools/diagnose/verdict/consistency.hpp"
 #include "tools/diagnose/verdict/dependence.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
+#include "tools/diagnose/verdict/known_strength.hpp"
 #include "tools/diagnose/verdict/material_rest.hpp"
 #include "tools/diagnose/verdict/named_effects.hpp"
 #include "tools/diagnose/verdict/power.hpp"
@@ -85,6 +86,9 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
       knownNoise_Nm(analysed.parts.train, bare.mechanism(), train.band_Hz(), options.person_Nm);
   MissingEffects found = findMissing(analysed, model, movingJoints(signals), noise_Nm, options);
   diagnosis.warnings.insert(diagnosis.warnings.end(), found.warnings.begin(), found.warnings.end());
+  if (options.gates.rest) {
+    preferKnownStrength(bare.mechanism(), noise_Nm, options, found);
+  }
 
   options.report("unexplained", 0.0);
   const ModelFit& fit = found.selection.fit;

@@ -35,8 +35,7 @@ struct DiagnoseOptions {
             .family_wise_p = family_wise_p,
             .seed = seed,
             .gates = gates,
-            .progress = {},
-            .noise_Nm = {}};
+            .progress = {}};
   }
   /// Seed of what estimates how well parameters are known.
   std::uint64_t covarianceSeed() const { return seed + 15485863; }

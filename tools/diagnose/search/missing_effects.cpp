@@ -72,9 +72,6 @@ class Finder {
     search.atoms = recipeAtoms(*search.fitter, considered);
     options_.report("search", 0.0);
     SelectionOptions selection = options_.selection();
-    if (options_.gates.rest) {
-      selection.noise_Nm.assign(noise_Nm_.begin(), noise_Nm_.end());
-    }
     selection.progress = [this](double fraction) { options_.report("search", fraction); };
     search.selection = select(*search.fitter, search.atoms, search.nominal, selection);
     return search;

@@ -12,7 +12,6 @@
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/missed.hpp"
-#include "tools/diagnose/search/outweighed.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -41,7 +40,46 @@ class Restatement {
     findPlainFriction();
   }
 
+  // False where the found effect has no special case.
+  bool usePlainer(std::size_t t) {
+    const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
+    std::optional<ModelFit> best;
+    eachSpecialCase(t, rest, [&](ModelFit simple) {
+      if (!best || simple.objective < best->objective) {
+        best = std::move(simple);
+      }
+    });
+    if (!best) {
+      return false;
+    }
+    const std::string wider = selection_.fit.terms[t].recipe->label();
+    const Evidence before = selection_.evidence[t];
+    const double share = (rest.objective - best->objective) / (rest.objective - selection_.fit.objective);
+    take(std::move(*best), before.p_value);
+    selection_.evidence.back().gain = share * before.gain;
+    selection_.evidence.back().rivals = {wider};
+    return true;
+  }
+
  private:
+  // Those of a found effect, each fitted in its place. `rest`: the fit without the effect.
+  template <class Use>
+  void eachSpecialCase(std::size_t t, const ModelFit& rest, Use use) {
+    const Term& term = selection_.fit.terms[t];
+    for (const Atom& atom : atoms_.items) {
+      const bool same =
+          atom.recipe->kind == term.recipe->kind && atom.recipe->coefficients() >= term.c.size();
+      if (same || !contains(*term.recipe, *atom.recipe) || !atom.recipe->nonlinear.empty() ||
+          isContainedInOthers(*atom.recipe, t)) {
+        continue;
+      }
+      std::optional<ModelFit> simple = added(rest, atom, atom.nu);
+      if (simple && simple->at_edge.empty()) {
+        use(std::move(*simple));
+      }
+    }
+  }
+
   // Puts a special case in the place of what contains it, where the rest is not worth its parameters, or
   // where nobody would miss it: an early step did not know yet what the later ones found. False where all is
   // as simple as it can be.
@@ -54,26 +92,16 @@ class Restatement {
       const ModelFit rest = fitter_.fit(withoutTerm(selection_.fit, t), *selection_.fit.weighting);
       // Others may say it all by now.
       std::optional<ModelFit> best;
-      bool best_is_simple = false;
       if (rest.at_edge.empty()) {
         best = rest;
       }
-      for (const Atom& atom : atoms_.items) {
-        const bool same =
-            atom.recipe->kind == term.recipe->kind && atom.recipe->coefficients() >= term.c.size();
-        if (same || !contains(*term.recipe, *atom.recipe) || !atom.recipe->nonlinear.empty() ||
-            isContainedInOthers(*atom.recipe, t)) {
-          continue;
-        }
-        std::optional<ModelFit> simple = added(rest, atom, atom.nu);
-        if (simple && simple->at_edge.empty() && (!best || worth(*simple) < worth(*best))) {
+      eachSpecialCase(t, rest, [&](ModelFit simple) {
+        if (!best || worth(simple) < worth(*best)) {
           best = std::move(simple);
-          best_is_simple = true;
         }
-      }
+      });
       if (best && (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ ||
-                   isOutOfRange(t, *best, rest) || !gainIsMissed(fitter_, *best, selection_.fit) ||
-                   (best_is_simple && restSpeaksFor(*best, rest)))) {
+                   isOutOfRange(t, *best, rest) || !gainIsMissed(fitter_, *best, selection_.fit))) {
         take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
@@ -89,15 +117,6 @@ class Restatement {
     return std::any_of(fit.at_edge.begin(), fit.at_edge.end(),
                        [&](const Edge& edge) { return edge.label == label; }) &&
            simple.objective - fit.objective < simpler::kRest * (rest.objective - fit.objective);
-  }
-
-  // What the found effect has beyond the simple one may be the rest, which counts as asserted::kLooks looks at a
-  // shape; and the simple one is more than what it leaves to that rest.
-  bool restSpeaksFor(const ModelFit& simple, const ModelFit& without) {
-    const std::span<const double> noise_Nm = options_.noise_Nm;
-    return !noise_Nm.empty() &&
-           overRest(fitter_, selection_.fit, simple, noise_Nm) < kDeviations95 / std::sqrt(asserted::kLooks) &&
-           overRest(fitter_, simple, without, noise_Nm) >= asserted::kOverRest;
   }
 
   bool isContainedInOthers(const Recipe& recipe, std::size_t but) const {
@@ -305,6 +324,12 @@ class Restatement {
 
 void restate(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection) {
   Restatement(fitter, atoms, options, selection).run();
+}
+
+std::optional<Selection> withPlainer(ModelFitter& fitter, const Atoms& atoms, Selection selection,
+                                     std::size_t term) {
+  return Restatement(fitter, atoms, {}, selection).usePlainer(term) ? std::optional(std::move(selection))
+                                                                    : std::nullopt;
 }
 
 }  // namespace patella::diagnose

@@ -1,8 +1,9 @@
 // A selection in fewer or plainer words: an early step did not know yet what the later ones found.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <optional>
 
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/search/selection.hpp"
@@ -13,12 +14,16 @@ struct RestateOptions {
   double unit = 1.0;     ///< what chance brings a parameter, in the units of the fit's objective
   int replicates = 499;  ///< of the bootstrap that says how well parameters are known
   std::uint64_t seed = 1;
-  std::span<const double> noise_Nm{};  ///< as in SelectionOptions
 };
 
 /// Puts special cases in the place of what contains them, one effect in the place of two that are one, and
 /// Stribeck's friction in the place of two levels that stood for it, wherever the information criterion does
 /// not speak against it; and one level of friction in the place of two that may be equal.
 void restate(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection);
+
+/// The selection with a special case in the place of a found effect, which stays beside it as a rival: the
+/// one that explains most. It is the last term. Nothing where the effect has none.
+std::optional<Selection> withPlainer(ModelFitter& fitter, const Atoms& atoms, Selection selection,
+                                     std::size_t term);
 
 }  // namespace patella::diagnose

@@ -45,11 +45,7 @@ class Selector {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
     }
-    restate(fitter_, atoms_,
-            {.unit = unit_,
-             .replicates = options_.replicates,
-             .seed = options_.seed,
-             .noise_Nm = options_.noise_Nm},
+    restate(fitter_, atoms_, {.unit = unit_, .replicates = options_.replicates, .seed = options_.seed},
             result_);
     findRivals(fitter_, atoms_, unit_, options_.seed, result_);
     return std::move(result_);

@@ -22,9 +22,6 @@ struct SelectionOptions {
   int most_effects = 5;
   Gates gates;
   std::function<void(double fraction)> progress;
-  /// What sensors and declared pushes make of each joint: what is left beyond it speaks for no effect. Empty:
-  /// not known.
-  std::vector<double> noise_Nm;
 };
 
 /// A found term and what speaks for it.
