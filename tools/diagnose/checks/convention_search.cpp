@@ -135,8 +135,8 @@ std::string told(std::span<const Convention> conventions) {
   return look;
 }
 
-// Some joint has more left than machines leave of their models, and every joint that the convention changes
-// is explained by it.
+// Some joint has more left than machines leave of their models, or next to nothing with the convention; and
+// every joint that the convention changes is explained by it.
 bool explains(const std::vector<double>& read, const std::vector<double>& given) {
   bool any = false;
   for (std::size_t j = 0; j < given.size(); ++j) {
@@ -144,7 +144,8 @@ bool explains(const std::vector<double>& read, const std::vector<double>& given)
       if (read[j] > std::max(kAsMachines, kSmallPart * given[j])) {
         return false;
       }
-      any = any || given[j] > kAsMachines || read[j] < kSmallPart * given[j];
+      any = any || given[j] > kAsMachines ||
+            std::hypot(read[j], kFloor) < kSmallPart * std::hypot(given[j], kFloor);
     }
   }
   return any;
