@@ -110,6 +110,16 @@ TEST_CASE("a motor's inertia that the model lacks is no wrong convention") {
   CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.1, .second_line = 0.0})).empty());
 }
 
+TEST_CASE(
+    "a recording of which the model leaves no more than models of machines do has no wrong convention") {
+  Recording recording = swinging();
+  recording.torque_Nm[1] = later(recording.torque_Nm[1], 10);
+  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  CHECK(reader.asGiven().error[1] > 0.08);
+  CHECK(reader.asGiven().error[1] < 0.15);
+  CHECK(wrongIn(recording).empty());
+}
+
 TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint and size") {
   Recording recording = swinging();
   SUBCASE("sign of a torque: friction that drives gives it away") {
