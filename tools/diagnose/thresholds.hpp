@@ -34,8 +34,9 @@ inline constexpr double kOtherLeg = 2.5;
 inline constexpr double kFloor = 0.05;
 /// Share of a joint's load: more than this left is out of proportion for a model of the machine.
 inline constexpr double kOutOfProportion = 0.2;
-/// Share of the load that machines leave of their models. A convention may leave as much on each joint that it
-/// changes; where it leaves more, kSmallPart decides. A recording that leaves no more as given speaks for none.
+/// Share of the load that machines leave of their models. A convention may leave as much on each joint that
+/// it changes; where it leaves more, kSmallPart decides. A recording that leaves no more as given speaks for
+/// none.
 inline constexpr double kAsMachines = 0.15;
 /// Share of what the recording as given leaves: chance does not bring a joint below it.
 inline constexpr double kSmallPart = 0.4;
