@@ -8,14 +8,15 @@
 
 namespace patella::diagnose {
 
-/// What `with` explains beyond `without`, over what `with` leaves beyond noise (rms, in the whole torque), on the
-/// joint where that is most; infinite where nothing is left. `noise_Nm`: what sensors and declared pushes make
-/// of each joint.
+/// What `with` explains beyond `without`, over what `with` leaves beyond noise (rms, in the whole torque), on
+/// the joint where that is most; infinite where nothing is left. `noise_Nm`: what sensors and declared pushes
+/// make of each joint.
 double overRest(ModelFitter& fitter, const ModelFit& with, const ModelFit& without,
                 std::span<const double> noise_Nm);
 
 /// Recipes of the found terms that explain less by themselves than asserted::kOverRest of what nothing
-/// explains, beside those that explain more: such a term may be a part of something else. Parts of a free function (freeFunctions()) are none.
+/// explains, beside those that explain more: such a term may be a part of something else. Parts of a free
+/// function (freeFunctions()) are none.
 std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selection,
                                             std::span<const double> noise_Nm);
 
