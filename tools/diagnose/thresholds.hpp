@@ -318,6 +318,9 @@ inline constexpr double kNoNoise = 1.0 / 3.0;
 namespace shown {
 /// Standard deviations that a torque has to lie above the threshold for four in five recordings to show it.
 inline constexpr double kFourInFive = 0.84;
+/// Standard deviations beyond which a given parameter is taken for free: it is a logarithm, which costs less
+/// and less the farther it goes, and takes up more than a slope at its given value says.
+inline constexpr double kFarFromGiven = 3.0;
 /// Fall of −2 log-likelihood, less the cost of a parameter, that chance is held against where no step of the
 /// search drew one.
 inline constexpr double kTypicalChance = 10.0;

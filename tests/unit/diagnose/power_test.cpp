@@ -120,6 +120,19 @@ TEST_CASE("a rehearsal asserts what is beyond chance and outweighs the rest") {
   CHECK(above_rest * sine_rms < 2.5 * asserted::kOverRest * left_Nm);
 }
 
+TEST_CASE("where a torque moves a given parameter far, the part reveals it that the parameter cannot give") {
+  const Dataset data(std::array{noisy(20.0, 1.0)}, DatasetOptions{});
+  ModelFitter fitter(data, kModel, {});
+  const ModelFit fit = fitter.nominal();
+  const double left_Nm = fit.residual.norm() / std::sqrt(static_cast<double>(fit.residual.size()));
+  const Obstacles sensors_only{
+      .chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}, .least_Nm = {0.0}};
+  const Column apart = alternating(data);
+  const Column given = fit.tangent.col(0) * (100.0 * apart.norm() / fit.tangent.col(0).norm());
+  const double by_part = smallestAsserted({data, fit, sensors_only, apart, 0});
+  CHECK(smallestAsserted({data, fit, sensors_only, given + apart, 0}) > 0.7 * by_part);
+}
+
 TEST_CASE("a smallest size goes with a shape, that of the kind's plain variant") {
   const Dataset data(std::array{noisy(20.0, 0.1)}, DatasetOptions{});
   ModelFitter fitter(data, kModel, {});

@@ -94,9 +94,18 @@ ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const Weighting& weigh
     result.tangent.rightCols(columns_.cols()) = columns_;
   }
   auto current = std::make_shared<const Weighting>(weighting);
-  for (int round = 0; round < kRounds; ++round) {
+  const auto solved = [&] {
     const Equations equations(*current, result.tangent, result.prior_weight);
-    const Eigen::VectorXd x = equations.solve(equations.slope.transpose() * current->apply(torque));
+    return Eigen::VectorXd(equations.solve(equations.slope.transpose() * current->apply(torque)));
+  };
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::VectorXd x = solved();
+    const Eigen::VectorXd deviations = x.cwiseProduct(result.prior_weight) / result.prior_scale;
+    if (deviations.cwiseAbs().maxCoeff() > shown::kFarFromGiven) {
+      result.prior_weight =
+          (deviations.array().abs() > shown::kFarFromGiven).select(0.0, result.prior_weight.array());
+      x = solved();
+    }
     result.residual = torque - result.tangent * x;
     result.prior_residual = -result.prior_weight.cwiseProduct(x);
     current = std::make_shared<const Weighting>(weighting.rescaled(result.residual));
