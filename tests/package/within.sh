@@ -75,7 +75,7 @@ for _ in $(seq 600); do [ ! -s /tmp/live/ticks.csv ] || break; sleep 0.1; done
 patella view /tmp/live --listen 127.0.0.1:8765 >"$notes/view" 2>&1 &
 view=$!
 for _ in $(seq 600); do ! grep -q '^serving' "$notes/view" || break; sleep 0.1; done
-grep -q '^serving /tmp/live' "$notes/view" || fail "patella view: $(cat "$notes/view" "$notes/live")"
+grep -q '^serving .*, live at http://127.0.0.1:8765' "$notes/view" || fail "patella view: $(cat "$notes/view" "$notes/live")"
 exec 3<>/dev/tcp/127.0.0.1/8765
 printf '%s\r\n' 'GET / HTTP/1.1' 'Host: 127.0.0.1:8765' 'Connection: Upgrade' 'Upgrade: websocket' 'Sec-WebSocket-Version: 13' \
   'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==' 'Sec-WebSocket-Protocol: foxglove.websocket.v1' '' >&3
