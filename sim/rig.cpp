@@ -148,7 +148,7 @@ void Rig::advance(std::int64_t to_ns) noexcept PATELLA_NONBLOCKING {
 }
 
 void Rig::accept(const can::Frame& frame) noexcept PATELLA_NONBLOCKING {
-  if (!field_drives_.any() && !messages_.isCommand(frame)) {
+  if (frame.own || (!field_drives_.any() && !messages_.isCommand(frame))) {
     return;
   }
   faults_.pass(frame, FrameChannel::kCommand, [this](const can::Frame& command) { obey(command); });

@@ -83,7 +83,7 @@ for program in firmware_app/patella{,-rig} tools/board/{host_call,never_idle} "$
 done
 read -ra libraries <<<"${PATELLA_LIBRARIES:-/usr/lib/aarch64-linux-gnu /usr/aarch64-linux-gnu/lib}"
 copy_libraries "$root" "${libraries[@]}"
-(cd "$source_dir" && cp -r --parents firmware_app/config drivers/can/*.dbc tests/board/qemu "$root/opt/patella/")
+(cd "$source_dir" && cp -r --parents firmware_app/config drivers/can/*.dbc tests/board/qemu tools/bench/faults/rigs "$root/opt/patella/")
 cp "$scenario" "$root/job/scenario"
 {
   echo "export PATELLA_SOURCE=/opt/patella"

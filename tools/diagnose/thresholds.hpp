@@ -40,6 +40,9 @@ inline constexpr double kOutOfProportion = 0.2;
 inline constexpr double kAsMachines = 0.15;
 /// Share of what the recording as given leaves: chance does not bring a joint below it.
 inline constexpr double kSmallPart = 0.4;
+/// Share of what the recording as given leaves: a joint of which a convention leaves less speaks for it, also
+/// where no more was left than machines leave.
+inline constexpr double kSpeaks = 0.5;
 /// Share of what the recording as given leaves that a convention may leave, on the mean of the joints.
 inline constexpr double kFarBetter = 0.75;
 /// Share that a convention gains, in logarithms, of what effects gain on the recording as given: effects have
@@ -53,6 +56,9 @@ inline constexpr double kSensors = 0.003;
 /// Multiple of what the best convention leaves: another one that leaves no more is as good, and both are
 /// named.
 inline constexpr double kAsGood = 1.25;
+/// The same for one that leaves no more than machines leave on any joint: what is left is then the machine's,
+/// and tells conventions apart less well.
+inline constexpr double kAsGoodOfMachines = 1.75;
 /// Multiple of the inertia that a joint moves up to which a motor's is a plain effect: gears are chosen so
 /// that the two are about alike, and what is more would explain a torque in another unit.
 inline constexpr double kMostMotor = 5.0;

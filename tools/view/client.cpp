@@ -4,9 +4,7 @@
 #include <array>
 #include <chrono>
 
-#include <netinet/tcp.h>
 #include <nlohmann/json.hpp>
-#include <sys/socket.h>
 
 namespace patella::view {
 namespace {
@@ -71,6 +69,11 @@ void Client::start(const Request& request, const std::string& subprotocol) {
     response.set(beast::http::field::sec_websocket_protocol, subprotocol);
   }));
   socket_.read_message_max(kLongestRequest);
+  socket_.next_layer().whenSent([client = weak_from_this()] {
+    if (const auto self = client.lock(); self != nullptr && self->open_) {
+      self->startWriting();
+    }
+  });
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) {
       self->fail();
@@ -150,28 +153,34 @@ void Client::queue(Outgoing&& outgoing) {
     oldest = outgoing_.erase(oldest);
     ++dropped_;
   }
-  if (!writing_) {
-    cork(true);
+  startWriting();
+}
+
+// Messages of one look at the run leave together.
+void Client::startWriting() {
+  if (!writing_ && !outgoing_.empty() && !socket_.next_layer().full()) {
+    socket_.next_layer().hold();
     write();
   }
 }
 
 void Client::write() {
+  writing_ = false;
   if (outgoing_.empty() && dropped_ != dropped_told_) {
     dropped_told_ = dropped_;
     complain("this client is slow: " + std::to_string(dropped_) + " messages were left out");
     return;
   }
-  if (outgoing_.empty()) {
-    cork(false);
+  if (outgoing_.empty() || socket_.next_layer().full()) {
+    socket_.next_layer().release();
     return;
   }
   writing_ = true;
   socket_.text(outgoing_.front().text);
   socket_.async_write(boost::asio::buffer(outgoing_.front().bytes),
                       [self = shared_from_this()](beast::error_code error, std::size_t /*size*/) {
-                        self->writing_ = false;
                         if (error) {
+                          self->writing_ = false;
                           self->fail();
                           return;
                         }
@@ -179,14 +188,6 @@ void Client::write() {
                         self->outgoing_.pop_front();
                         self->write();
                       });
-}
-
-// Messages that leave one after another share their segments (tcp(7)): a reader that was woken for each of
-// some thousand a second would cost more than the messages.
-void Client::cork(bool on) noexcept {
-  const int value = on ? 1 : 0;  // a connection that has ended fails where it writes, and not here
-  ::setsockopt(beast::get_lowest_layer(socket_).socket().native_handle(), IPPROTO_TCP, TCP_CORK, &value,
-               sizeof value);
 }
 
 void Client::fail() noexcept {

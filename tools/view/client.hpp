@@ -14,6 +14,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "firmware_app/formats/run_messages.hpp"
+#include "tools/view/batched_stream.hpp"
 #include "tools/view/subscriptions.hpp"
 
 namespace patella::view {
@@ -59,11 +60,11 @@ class Client : public std::enable_shared_from_this<Client> {
   void tell(std::string text);
   void tellStatus(Level level, const std::string& words);
   void queue(Outgoing&& outgoing);
+  void startWriting();
   void write();
-  void cork(bool on) noexcept;
   void fail() noexcept;
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::beast::websocket::stream<BatchedStream> socket_;
   const Catalogue& catalogue_;
   boost::beast::flat_buffer incoming_;
   Subscriptions subscriptions_;

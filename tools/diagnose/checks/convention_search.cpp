@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -26,33 +27,57 @@ constexpr double kPercent = 100.0;
 /// A number on a grid, then between its best neighbours.
 struct Grid {
   double first = 0.0, last = 0.0, step = 0.0, resolution = 0.0;
+  bool turns = false;  ///< the last number is next to the first
 };
 
 double gain(const std::vector<double>& given, const std::vector<double>& read, double floor = kFloor) {
   return misfit(given, floor) - misfit(read, floor);
 }
 
-// How much less is left than of the recording as given, as a logarithm, all joints together. The smaller a
-// torque is, the less there is to leave: where it is scaled, it has to be explained itself, or what was left
-// to be out of all proportion to the load.
+bool concerns(const Convention& convention, std::size_t joint) {
+  return convention.joint == kAll || convention.joint == static_cast<int>(joint);
+}
+
+// The smaller a torque is, the less there is to leave: one that is scaled has to be explained far better
+// itself, or what was left to be out of all proportion to the load.
+bool explainsItself(const ReadAs& one, const Reading& given) {
+  if (gain(given.error, one.reading.error, kOutOfProportion) > -std::log(kSpeaks)) {
+    return true;
+  }
+  for (std::size_t j = 0; j < given.error_of_torque.size(); ++j) {
+    if (concerns(one.convention, j) && std::hypot(one.reading.error_of_torque[j], kFloor) <
+                                           kFarBetter * std::hypot(given.error_of_torque[j], kFloor)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// How much less is left than of the recording as given, as a logarithm, all joints together.
 double gainOf(const ReadAs& one, const Reading& given) {
-  const double of_load = gain(given.error, one.reading.error);
-  return one.convention.kind == ConventionKind::kTorqueUnit
-             ? std::min(of_load, std::max(gain(given.error_of_torque, one.reading.error_of_torque),
-                                          gain(given.error, one.reading.error, kOutOfProportion)))
-             : of_load;
+  return one.convention.kind == ConventionKind::kTorqueUnit && !explainsItself(one, given)
+             ? std::numeric_limits<double>::lowest()
+             : gain(given.error, one.reading.error);
+}
+
+bool leavesAsMachines(const Reading& reading) {
+  return std::all_of(reading.error.begin(), reading.error.end(),
+                     [](double error) { return error < kAsMachines; });
 }
 
 // Torques that are scaled are as good as each other where they leave as much over the torque.
 bool asGood(const ReadAs& one, const ReadAs& best, const Reading& given) {
-  return gainOf(one, given) > gainOf(best, given) - std::log(kAsGood) ||
+  const double multiple = leavesAsMachines(one.reading) ? kAsGoodOfMachines : kAsGood;
+  return gainOf(one, given) > gainOf(best, given) - std::log(multiple) ||
          (one.convention.kind == ConventionKind::kTorqueUnit &&
           best.convention.kind == ConventionKind::kTorqueUnit &&
           gain(best.reading.error_of_torque, one.reading.error_of_torque) > -std::log(kAsGood));
 }
 
-ReadAs bestOn(const Grid& grid, const Reader& reader, const Reading& given,
-              const std::function<Convention(double)>& convention) {
+// Nothing where the best is at an end of the grid: what would explain most lies beyond what the convention
+// means.
+std::optional<ReadAs> bestOn(const Grid& grid, const Reader& reader, const Reading& given,
+                             const std::function<Convention(double)>& convention) {
   std::vector<ReadAs> tried;
   std::vector<double> gains, numbers;
   const auto consider = [&](double number) {
@@ -72,6 +97,10 @@ ReadAs bestOn(const Grid& grid, const Reader& reader, const Reading& given,
     const double centre = numbers[best()];
     consider(std::max(centre - step, grid.first));
     consider(std::min(centre + step, grid.last));
+  }
+  if (!grid.turns &&
+      (numbers[best()] < grid.first + grid.resolution || numbers[best()] > grid.last - grid.resolution)) {
+    return std::nullopt;
   }
   ReadAs found = tried[best()];
   found.convention.range.fill(found.convention.number);
@@ -135,20 +164,26 @@ std::string told(std::span<const Convention> conventions) {
   return look;
 }
 
-// Some joint has more left than machines leave of their models, or next to nothing with the convention; and
-// every joint that the convention changes is explained by it.
-bool explains(const std::vector<double>& read, const std::vector<double>& given) {
-  bool any = false;
-  for (std::size_t j = 0; j < given.size(); ++j) {
-    if (read[j] < kFarBetter * given[j]) {
-      if (read[j] > std::max(kAsMachines, kSmallPart * given[j])) {
+bool losesMost(double read, double given) {
+  return std::hypot(read, kFloor) < kSpeaks * std::hypot(given, kFloor);
+}
+
+// Every joint that the convention changes is explained by it. And some joint speaks for it: one that has more
+// left than machines leave of their models, that loses most of it, or whose torque is explained once scaled.
+bool explains(const ReadAs& one, const Reading& given) {
+  const Reading& read = one.reading;
+  bool speaks = false;
+  for (std::size_t j = 0; j < given.error.size(); ++j) {
+    if (read.error[j] < kFarBetter * given.error[j]) {
+      if (read.error[j] > std::max(kAsMachines, kSmallPart * given.error[j])) {
         return false;
       }
-      any = any || given[j] > kAsMachines ||
-            std::hypot(read[j], kFloor) < kSmallPart * std::hypot(given[j], kFloor);
+      speaks = speaks || given.error[j] > kAsMachines || losesMost(read.error[j], given.error[j]) ||
+               (one.convention.kind == ConventionKind::kTorqueUnit &&
+                losesMost(read.error_of_torque[j], given.error_of_torque[j]));
     }
   }
-  return any;
+  return speaks;
 }
 
 }  // namespace
@@ -167,7 +202,8 @@ std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const C
   constexpr Grid kZeros{.first = -std::numbers::pi,
                         .last = std::numbers::pi - 0.1,
                         .step = std::numbers::pi / 9.0,
-                        .resolution = 2e-3};
+                        .resolution = 2e-3,
+                        .turns = true};
   const Grid kStepUp{
       .first = std::log(kOtherLeg), .last = std::log(kLargestGear), .step = 0.4, .resolution = 0.1};
   const Grid kStepDown{.first = -kStepUp.last, .last = -kStepUp.first, .step = 0.4, .resolution = 0.1};
@@ -178,19 +214,20 @@ std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const C
       all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
     }
   };
+  const auto addBest = [&](const Grid& grid, const std::function<Convention(double)>& convention) {
+    if (std::optional<ReadAs> best = bestOn(grid, reader, given, convention)) {
+      all.push_back(std::move(*best));
+    }
+  };
   add(knownConventions(names));
   for (const int joint : eachAndAll(names.joints)) {
     add(torqueUnits(names, joint));
     for (const Grid& gears : {kStepUp, kStepDown}) {
-      all.push_back(bestOn(gears, reader, given, [&](double logarithm) {
-        return gearConvention(names, joint, std::exp(logarithm));
-      }));
+      addBest(gears, [&](double logarithm) { return gearConvention(names, joint, std::exp(logarithm)); });
     }
-    all.push_back(
-        bestOn(kShifts, reader, given, [&](double late_s) { return shiftConvention(names, joint, late_s); }));
+    addBest(kShifts, [&](double late_s) { return shiftConvention(names, joint, late_s); });
     if (joint >= 0 && names.turns(joint)) {
-      all.push_back(bestOn(kZeros, reader, given,
-                           [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); }));
+      addBest(kZeros, [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); });
     }
   }
   std::erase_if(all, [](const ReadAs& one) {
@@ -210,7 +247,7 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
       std::max(-std::log(kFarBetter), kOfEffects * gain(given.error, given.error_with_effects));
   std::vector<ReadAs> all = readings(reader, given, names);
   std::erase_if(all, [&](const ReadAs& one) {
-    return !explains(one.reading.error, given.error) || gainOf(one, given) < least ||
+    return !explains(one, given) || gainOf(one, given) < least ||
            gain(one.reading.error, given.error_with_effects, kSensors) >
                static_cast<double>(given.error.size()) * std::log(kTimesEffects);
   });
