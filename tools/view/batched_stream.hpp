@@ -87,6 +87,7 @@ class BatchedStream {
 
 /// Ends a connection, for boost::beast::websocket::stream: what was gathered is sent before.
 template <typename Handler>
+// NOLINTNEXTLINE(readability-identifier-naming): Boost.Beast looks for it by this name
 void async_teardown(boost::beast::role_type role, BatchedStream& stream, Handler&& handler) {
   stream.release();
   boost::beast::async_teardown(role, stream.next_layer(), std::forward<Handler>(handler));

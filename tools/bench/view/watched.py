@@ -76,12 +76,15 @@ class Viewers:
     def __init__(self, patella, run):
         self.server = subprocess.Popen([patella, "view", run, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
         self.clients = Clients(int(re.search(r":(\d+)\n", self.server.stdout.readline())[1]))
+        self.start = time.time()
 
     def end(self):
+        """Bytes that were read, seconds, and the server's seconds of a processor."""
+        lived_s = time.time() - self.start
         self.clients.close()
         self.server.terminate()
-        self.server.wait()
-        return self.clients.received
+        usage = os.wait4(self.server.pid, 0)[2]
+        return self.clients.received, lived_s, usage.ru_utime + usage.ru_stime
 
 
 def quantile(values, share):
@@ -93,7 +96,7 @@ def pooled(seconds, share):
 
 
 def watched_run(arguments, folder):
-    """Runs the loop, and returns [time of the wall, whether there were viewers] of each phase, and the bytes that were read."""
+    """Runs the loop, and returns [time of the wall, whether there were viewers] of each phase, and the sums of what Viewers.end() says."""
     run = os.path.join(folder, "run")
     duration_s = (arguments.phases + 1) * arguments.phase_s
     loop = subprocess.Popen([arguments.patella, "run", "--config", arguments.config, "--clock", "monotonic", "--duration",
@@ -102,18 +105,18 @@ def watched_run(arguments, folder):
     while not os.path.exists(os.path.join(run, "ticks.csv")):
         time.sleep(0.05)
     time.sleep(2)
-    phases, received = [], 0
+    phases, spent = [], [0, 0.0, 0.0]
     for number in range(arguments.phases):
         watched = number % 2 == 1
         viewers = Viewers(arguments.patella, run) if watched else None
         start = time.time()
         time.sleep(arguments.phase_s - 1)
         phases.append((start + LEFT_OUT_S, time.time(), watched))
-        received += viewers.end() if viewers else 0
+        spent = [a + b for a, b in zip(spent, viewers.end())] if viewers else spent
         time.sleep(1)
     loop.terminate()
     loop.wait()
-    return run, phases, received
+    return run, phases, spent
 
 
 def seconds_of(run, phases):
@@ -143,7 +146,7 @@ def main():
     if arguments.cpu is not None:
         os.sched_setaffinity(0, os.sched_getaffinity(0) - {arguments.cpu})
     with tempfile.TemporaryDirectory() as folder:
-        run, phases, received = watched_run(arguments, folder)
+        run, phases, (received, watched_s, processor_s) = watched_run(arguments, folder)
         with open(os.path.join(run, "summary.json"), encoding="utf-8") as file:
             recorder = json.load(file)["recorder"]
         seconds = seconds_of(run, phases)
@@ -160,7 +163,7 @@ def main():
             ratios.append(pooled(drawn[True], 0.999) / pooled(drawn[False], 0.999))
         ratio = pooled(seconds[True][column], 0.999) / pooled(seconds[False][column], 0.999)
         print(f"{'':<14}p99.9 with / without: {ratio:.3f}, 95 % within {quantile(ratios, 0.025):.3f} to {quantile(ratios, 0.975):.3f}")
-    print(f"clients read {1e-6 * received:.0f} MB; the recorder dropped {recorder['ticks_dropped']} ticks and {recorder['frames_dropped']} frames")
+    print(f"the server took {processor_s / watched_s:.0%} of a processor, and sent {1e-6 * received / watched_s:.1f} MB a second; the recorder dropped {recorder['ticks_dropped']} ticks and {recorder['frames_dropped']} frames")
     return 0
 
 
