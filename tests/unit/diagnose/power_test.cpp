@@ -166,3 +166,24 @@ TEST_CASE("a size is told with its unit, a load with its lever") {
   revealed.torque_rms_Nm = std::numeric_limits<double>::infinity();
   CHECK(sizeWords(revealed, {}) == "never");
 }
+
+TEST_CASE("effects that show at no size are told apart from those that show at one") {
+  const Revealed friction{.kind = "coulomb_friction",
+                          .joint = 0,
+                          .parameter = "level_Nm",
+                          .smallest_size = 0.05,
+                          .parameters = {0.05, 0.01},
+                          .torque_rms_Nm = 0.05};
+  const Revealed load{.kind = "payload",
+                      .joint = 1,
+                      .parameter = "mass_kg",
+                      .smallest_size = std::numeric_limits<double>::infinity(),
+                      .parameters = {},
+                      .torque_rms_Nm = std::numeric_limits<double>::infinity()};
+  Diagnosis diagnosis;
+  diagnosis.revealed = {load, friction};
+  CHECK(revealedWords(diagnosis) ==
+        "coulomb friction on joint 1 from 0.05 N·m; at no size payload on joint 2");
+  diagnosis.revealed = {load};
+  CHECK(revealedWords(diagnosis) == "at no size payload on joint 2");
+}

@@ -222,19 +222,21 @@ std::string sizeWords(const Revealed& revealed, const Units& units) {
 }
 
 std::string revealedWords(const Diagnosis& diagnosis) {
-  std::string words;
+  std::string shown, hidden;
   std::size_t told = 0;
   for (const Revealed& revealed : diagnosis.revealed) {
-    if (told == kTold || !isCommon(revealed)) {
+    if (told++ == kTold || !isCommon(revealed)) {
       break;
     }
-    words += fmt::format("{}{}{} {}", told == 0 ? "" : ", ",
-                         effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1)),
-                         std::isfinite(revealed.torque_rms_Nm) ? " from" : "",
-                         sizeWords(revealed, unitsOf(diagnosis, revealed.joint)));
-    ++told;
+    const std::string name = effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1));
+    if (std::isfinite(revealed.torque_rms_Nm)) {
+      shown += fmt::format("{}{} from {}", shown.empty() ? "" : ", ", name,
+                           sizeWords(revealed, unitsOf(diagnosis, revealed.joint)));
+    } else {
+      hidden += (hidden.empty() ? "at no size " : ", ") + name;
+    }
   }
-  return words;
+  return shown + (shown.empty() || hidden.empty() ? "" : "; ") + hidden;
 }
 
 }  // namespace patella::diagnose
