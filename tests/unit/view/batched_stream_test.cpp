@@ -1,8 +1,6 @@
 // Two ends of a connection on the loopback: what leaves when, and what does not.
 #include "tools/view/batched_stream.hpp"
 
-#include <array>
-
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
@@ -38,10 +36,13 @@ struct Connection {
   }
   /// What has arrived by now.
   std::string arrived() {
-    std::string bytes(1U << 22, '\0');
+    std::string bytes, part(1U << 16, '\0');
     boost::system::error_code error;
     reader.non_blocking(true);
-    bytes.resize(reader.read_some(asio::buffer(bytes), error));
+    while (const std::size_t size = reader.read_some(asio::buffer(part), error)) {
+      bytes.append(part, 0, size);
+      run();
+    }
     return bytes;
   }
 };
