@@ -6,6 +6,7 @@ kind=$1 seconds=${2:-3}
 config_dir=$PATELLA_SOURCE/tools/bench/faults/rigs
 config=$config_dir/board.toml
 shipped=$PATELLA_SOURCE/firmware_app/config
+[ -f "$config_dir/$kind.toml" ] || { fail "kind of drive '$kind', expected mit, odrive or cia402"; finish; }
 
 # The kind's configuration, as make_config has it.
 make_drives() {
