@@ -26,12 +26,15 @@ DriveAnticipation::DriveAnticipation(int joints, const std::array<model::DriveLa
     Drive& drive = drives_[joint];
     drive.late_s = lateness_s(lateness[joint], period_s);
     longest_s = std::max(longest_s, drive.late_s);
+    horizons_s_.push_back(drive.late_s);
     if (lateness[joint].lag_s > 0.0) {
       drive.quickening = lateness[joint].lag_s / (drive.late_s - lateness[joint].delay_s);
       drive.approach = -std::expm1(-period_s / lateness[joint].lag_s);
     }
   }
   needed_ = longest_s > 0.0;
+  std::sort(horizons_s_.begin(), horizons_s_.end());
+  horizons_s_.erase(std::unique(horizons_s_.begin(), horizons_s_.end()), horizons_s_.end());
   for (Drive& drive : drives_) {
     drive.demands_Nm.assign(static_cast<std::size_t>(std::ceil(longest_s / period_s)) + 1, 0.0);
   }
@@ -78,25 +81,19 @@ DriveAnticipation::Moments DriveAnticipation::moments(const Drive& drive, double
   return sum;
 }
 
-void DriveAnticipation::lookAhead(const model::ModelTerms& terms, const JointVector& f_hat, JointVector& q,
-                                  JointVector& dq) const noexcept PATELLA_NONBLOCKING {
+void DriveAnticipation::lookAhead(const model::ModelTerms& terms, const JointVector& f_hat, double horizon_s,
+                                  JointVector& q, JointVector& dq) const noexcept PATELLA_NONBLOCKING {
   // What the model's effects make of late torque is left out: it is what is counted here.
   const JointVector passive = f_hat - terms.inverse_inertia * (terms.bias_Nm + terms.drive_Nm);
+  JointVector first(f_hat.size());
+  JointVector second(f_hat.size());
   for (Eigen::Index joint = 0; joint < f_hat.size(); ++joint) {
-    const double h_s = lateness_s(joint);
-    if (h_s == 0.0) {
-      continue;
-    }
-    double speed = h_s * passive[joint];
-    double way = 0.5 * h_s * h_s * passive[joint];
-    for (Eigen::Index other = 0; other < f_hat.size(); ++other) {
-      const Moments torque = moments(drives_[static_cast<std::size_t>(other)], h_s);
-      speed += terms.inverse_inertia(joint, other) * torque.first;
-      way += terms.inverse_inertia(joint, other) * torque.second;
-    }
-    q[joint] += h_s * dq[joint] + way;
-    dq[joint] += speed;
+    const Moments torque = moments(drives_[static_cast<std::size_t>(joint)], horizon_s);
+    first[joint] = torque.first;
+    second[joint] = torque.second;
   }
+  q += horizon_s * dq + 0.5 * horizon_s * horizon_s * passive + terms.inverse_inertia * second;
+  dq += horizon_s * passive + terms.inverse_inertia * first;
 }
 
 }  // namespace patella::control

@@ -6,7 +6,8 @@
 //     u = y + (T / R)(w − y)      so that  R dy/dt = w − y,  R = T / kQuickening
 //
 //   What is left of it, and a delay, make up the lateness h. Torque that arrives until t + h is known at t,
-//   and so is the motion until then:
+//   and so is the motion until then. A joint's torque is the one for the state and reference of all joints
+//   when it arrives:
 //
 //     dq(t + h) = dq + ∫₀ʰ ddq ds          ddq = M⁻¹ (w(t + s − h) − bias) + f̂_u
 //     q(t + h)  = q + h dq + ∫₀ʰ (h − s) ddq ds
@@ -17,6 +18,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/model/dynamics_model.hpp"
@@ -43,10 +45,12 @@ class DriveAnticipation {
   double lateness_s(Eigen::Index joint) const noexcept {
     return drives_[static_cast<std::size_t>(joint)].late_s;
   }
+  /// The different ones among the joints' lateness, ascending.
+  std::span<const double> horizons_s() const noexcept { return horizons_s_; }
 
-  /// Moves each joint's position, rad, and velocity, rad/s, on to where its drive's next torque meets them.
-  /// `terms` are those of the present state; `f_hat`, rad/s², is what else is thought to act.
-  void lookAhead(const model::ModelTerms& terms, const JointVector& f_hat, JointVector& q,
+  /// Moves all joints' positions, rad, and velocities, rad/s, on by `horizon_s`. `terms` are those of the
+  /// present state; `f_hat`, rad/s², is what else is thought to act.
+  void lookAhead(const model::ModelTerms& terms, const JointVector& f_hat, double horizon_s, JointVector& q,
                  JointVector& dq) const noexcept PATELLA_NONBLOCKING;
   /// What to ask of the drives beyond `demand_Nm` for it to arrive sooner, N·m.
   JointVector quickening(const JointVector& demand_Nm) const noexcept PATELLA_NONBLOCKING;
@@ -69,6 +73,7 @@ class DriveAnticipation {
   Moments moments(const Drive& drive, double horizon_s) const noexcept;
 
   std::vector<Drive> drives_;
+  std::vector<double> horizons_s_;
   double period_s_;
   bool needed_ = false;
   std::size_t newest_ = 0;

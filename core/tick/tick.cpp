@@ -31,10 +31,19 @@ const safety::MonitorSettings& checked(const safety::MonitorSettings& settings) 
   return settings;
 }
 
+constexpr std::array kTerms{&control::ControlOutput::gravity,      &control::ControlOutput::model,
+                            &control::ControlOutput::emg,          &control::ControlOutput::impedance,
+                            &control::ControlOutput::compensation, &control::ControlOutput::total};
+
 void zero(control::ControlOutput& output, int joints) noexcept {
-  for (JointVector* term : {&output.gravity, &output.model, &output.emg, &output.impedance,
-                            &output.compensation, &output.total}) {
-    term->setZero(joints);
+  for (const auto term : kTerms) {
+    (output.*term).setZero(joints);
+  }
+}
+
+void takeJoint(const control::ControlOutput& from, Eigen::Index joint, control::ControlOutput& to) noexcept {
+  for (const auto term : kTerms) {
+    (to.*term)[joint] = (from.*term)[joint];
   }
 }
 
@@ -206,24 +215,25 @@ void Tick::demand(const TickInput& input) noexcept {
                                       front_.state().dq, emg_torque, compensated()});
 }
 
-// A late drive is told what the leg needs when the torque arrives.
+// A late drive is told what the leg needs when the torque arrives: where all joints are then, and are to be.
 control::ControlOutput Tick::demandAhead(double active_s) noexcept {
-  model::EffectInput ahead = front_.state();
   const JointVector& f_hat = compensated();
-  anticipation_.lookAhead(front_.terms(), f_hat, ahead.q, ahead.dq);
-  control::ReferencePoint reference = output_.reference;
-  for (Eigen::Index joint = 0; joint < joints(); ++joint) {
-    if (const double late_s = anticipation_.lateness_s(joint); late_s > 0.0) {
-      const control::ReferencePoint then = reference_.at(active_s + late_s);
-      reference.q[joint] = then.q[joint];
-      reference.dq[joint] = then.dq[joint];
-      reference.ddq[joint] = then.ddq[joint];
+  const JointVector emg_torque = front_.emgTorque(output_.activation);
+  control::ControlOutput output;
+  zero(output, joints());
+  for (const double horizon_s : anticipation_.horizons_s()) {
+    model::EffectInput then = front_.state();
+    anticipation_.lookAhead(front_.terms(), f_hat, horizon_s, then.q, then.dq);
+    const control::ControlOutput needed =
+        control_.compute({horizon_s == 0.0 ? front_.terms() : front_.model().evaluate(then),
+                          front_.model().mechanism().gravity(then.q), reference_.at(active_s + horizon_s),
+                          then.q, then.dq, emg_torque, f_hat});
+    for (Eigen::Index joint = 0; joint < joints(); ++joint) {
+      if (anticipation_.lateness_s(joint) == horizon_s) {
+        takeJoint(needed, joint, output);
+      }
     }
   }
-  const model::ModelTerms terms = front_.model().evaluate(ahead);
-  control::ControlOutput output =
-      control_.compute({terms, front_.model().mechanism().gravity(ahead.q), reference, ahead.q, ahead.dq,
-                        front_.emgTorque(output_.activation), f_hat});
   // What a lagging drive needs on top is the model's, too.
   const JointVector more_Nm = anticipation_.quickening(output.total);
   output.model += more_Nm;

@@ -6,11 +6,13 @@ console.py --limit SECONDS --folder DIR -- QEMU ARGUMENT...
 A line of the console that begins with "@host" asks for something from outside the board:
   @host line N LEVEL...   drives input N of the GPIO controller through LEVELs (0 or 1), one after the other
   @host powerdown         presses the power button, wired to line 3: a pulse of 100 ms
+What was asked for is done when the file "answered" stands in DIR: the board can wait for it (guest/host_call.cpp).
 Exit status: 0 when QEMU ended by itself, 1 when it had to be ended after the limit.
 """
 import argparse
 import json
 import os
+import pathlib
 import socket
 import subprocess
 import sys
@@ -109,6 +111,7 @@ def main():
                 words = line.decode("utf-8", "replace").split()
                 if words[:1] == ["@host"]:
                     monitor.obey(words[1:])
+                    pathlib.Path(options.folder, "answered").touch()
         process.wait()
     finally:
         timer.cancel()

@@ -45,6 +45,8 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # doctest's __COUNTER__ is an extension to clang 22.
   target_compile_options(patella_compiler_flags INTERFACE -Wno-unknown-warning-option -Wno-c2y-extensions)
+  # A precompiled header with the time of its making in it would be another one for ccache each time.
+  target_compile_options(patella_compiler_flags INTERFACE "SHELL:-Xclang -fno-pch-timestamp")
 endif()
 
 set(PATELLA_SANITIZER "" CACHE STRING "address (with undefined), thread, realtime, fuzzer, or empty")

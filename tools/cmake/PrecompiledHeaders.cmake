@@ -1,6 +1,5 @@
 # The headers of Eigen and of the standard library are parsed once for libraries and once for programs, not once a source.
-# Sources include what they use all the same: the builds with clang, for sanitizers and fuzzing, do without and find what is
-# missing.
+# Sources include what they use all the same: lint and the fuzzing build do without and find what is missing.
 
 # Whether a target is linked with a library, whatever the way there.
 function(patella_links target library found)
@@ -29,7 +28,7 @@ function(patella_links target library found)
   endforeach()
 endfunction()
 
-# GCC takes a precompiled header for code that is made in the same way only. Libraries and programs differ in -fPIC and -fPIE,
+# A compiler takes a precompiled header for code that is made in the same way only. Libraries and programs differ in -fPIC and -fPIE,
 # libtorch brings a definition of its own.
 function(patella_precompile_target target)
   get_target_property(type ${target} TYPE)
@@ -55,7 +54,7 @@ function(patella_precompile_folder folder)
   endforeach()
 endfunction()
 
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR PATELLA_SANITIZER MATCHES "^(address|thread|realtime)$")
   set(no_source "${PROJECT_BINARY_DIR}/generated/no_source.cpp")
   file(CONFIGURE OUTPUT "${no_source}" CONTENT "int main() {}\n")
   add_library(patella_precompiled_libraries OBJECT EXCLUDE_FROM_ALL "${no_source}")

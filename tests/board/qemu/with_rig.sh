@@ -24,6 +24,13 @@ finish() {
   exit "$failed"
 }
 
+# ask_host REQUEST...: something from outside the board, done when this returns. Without waiting, how much of the board's
+# time went by until then would depend on how busy the host is.
+ask_host() {
+  echo "@host $*"
+  host_call await answered
+}
+
 make_vcan() {
   modprobe can-raw
   modprobe vcan

@@ -77,6 +77,14 @@ TEST_CASE("a delay of 15 ms makes a loop swing that does not know of it, and not
   CHECK((!plain.active || known.knee_rad <= 0.7 * plain.knee_rad));
 }
 
+TEST_CASE("a loop that knows of a delay tracks nearly as on a drive that is on time") {
+  const double on_time_rad = kept(late("actuator_delay", 0.0), true).knee_rad;
+  for (const double delay_s : {0.005, 0.010, 0.015}) {
+    CAPTURE(delay_s);
+    CHECK(kept(late("actuator_delay", delay_s), true).knee_rad <= 1.25 * on_time_rad);
+  }
+}
+
 TEST_CASE("gains that a late drive does not bear are refused before the first tick") {
   const ScratchFolder folder;
   app::RunConfig config = lateConfiguration(late("actuator_delay", 0.015), true, 1.0, folder);

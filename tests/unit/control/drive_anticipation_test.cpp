@@ -56,7 +56,8 @@ TEST_CASE("where no drive is late, nothing is looked ahead to") {
   CHECK(none.quickening(one(3.0))[0] == 0.0);
   JointVector q = one(2.0);
   JointVector dq = one(3.0);
-  none.lookAhead(wheel(), one(1.0), q, dq);
+  REQUIRE(none.horizons_s().size() == 1);
+  none.lookAhead(wheel(), one(1.0), none.horizons_s()[0], q, dq);
   CHECK(q[0] == 2.0);
   CHECK(dq[0] == 3.0);
 }
@@ -70,7 +71,7 @@ TEST_CASE("behind a delay the state ahead is the state that comes, to rounding")
   for (int k = 0; k < 200; ++k) {
     JointVector q = one(leg.q);
     JointVector dq = one(leg.dq);
-    ahead.lookAhead(wheel(), one(0.0), q, dq);
+    ahead.lookAhead(wheel(), one(0.0), ahead.lateness_s(0), q, dq);
     State then = leg;
     for (const double torque_Nm : under_way) {
       then = moved(then, torque_Nm);
@@ -81,6 +82,35 @@ TEST_CASE("behind a delay the state ahead is the state that comes, to rounding")
     under_way.pop_front();
     under_way.push_back(commandAt(k));
     ahead.commanded(one(commandAt(k)));
+  }
+}
+
+TEST_CASE(
+    "where one of two joints is late, both are looked ahead for: the other one's torque is taken to stay") {
+  constexpr int kDelay = 10;
+  constexpr double kHorizon_s = kDelay * kPeriod_s;
+  DriveAnticipation ahead(2, {DriveLateness{}, DriveLateness{.delay_s = kHorizon_s}}, kPeriod_s);
+  REQUIRE(ahead.horizons_s().size() == 2);
+  CHECK(ahead.horizons_s()[0] == 0.0);
+  CHECK(ahead.horizons_s()[1] == kHorizon_s);
+  model::ModelTerms terms = wheel();
+  terms.inverse_inertia = (JointMatrix(2, 2) << 0.5, -0.2, -0.2, 0.8).finished();
+  terms.bias_Nm = terms.drive_Nm = JointVector::Zero(2);
+  const Eigen::Vector2d command_Nm(3.0, -2.0);
+  for (int k = 0; k < 2 * kDelay; ++k) {
+    ahead.commanded(command_Nm);
+  }
+  JointVector q = Eigen::Vector2d(0.1, 0.2);
+  JointVector dq = Eigen::Vector2d(-1.0, 0.5);
+  const Eigen::Vector2d before_q = q;
+  const Eigen::Vector2d before_dq = dq;
+  ahead.lookAhead(terms, JointVector::Zero(2), kHorizon_s, q, dq);
+  const Eigen::Vector2d ddq = terms.inverse_inertia * command_Nm;
+  for (int joint = 0; joint < 2; ++joint) {
+    CHECK(dq[joint] == doctest::Approx(before_dq[joint] + kHorizon_s * ddq[joint]).epsilon(1e-12));
+    CHECK(q[joint] == doctest::Approx(before_q[joint] + kHorizon_s * before_dq[joint] +
+                                      0.5 * kHorizon_s * kHorizon_s * ddq[joint])
+                          .epsilon(1e-12));
   }
 }
 
@@ -120,7 +150,7 @@ TEST_CASE("looking ahead makes no heap operation") {
   JointVector dq = one(0.0);
   const std::uint64_t before = patella::test::allocationCount();
   for (int k = 0; k < 100; ++k) {
-    ahead.lookAhead(wheel(), one(1.0), q, dq);
+    ahead.lookAhead(wheel(), one(1.0), ahead.lateness_s(0), q, dq);
     ahead.commanded(one(1.0) + ahead.quickening(one(1.0)));
   }
   CHECK(patella::test::allocationCount() == before);

@@ -42,7 +42,7 @@ double simulated(const JointLoop& loop, double model_inertia, double inertia) {
   for (int k = 0; k < ticks; ++k) {
     JointVector q_ahead = JointVector::Constant(1, q);
     JointVector dq_ahead = JointVector::Constant(1, dq);
-    ahead.lookAhead(terms, JointVector::Zero(1), q_ahead, dq_ahead);
+    ahead.lookAhead(terms, JointVector::Zero(1), loop.lateness_s, q_ahead, dq_ahead);
     const double torque = -loop.stiffness_Nm_rad * q_ahead[0] - loop.damping_Nms_rad * dq_ahead[0];
     ahead.commanded(JointVector::Constant(1, torque));
     under_way.push_back(torque);

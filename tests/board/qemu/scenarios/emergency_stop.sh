@@ -17,7 +17,7 @@ interrupts() {
   awk '/patella/ { sum += $2 } END { print sum + 0 }' /proc/interrupts
 }
 
-# press LINE-COMMANDS NAME
+# press REQUEST NAME
 press() {
   start_rig vcan0
   {
@@ -27,11 +27,11 @@ press() {
     highs=0 lows=0
     for sample in 1 2 3 4 5 6 7 8 9 10 11 12; do
       case $(line 2) in hi) highs=$((highs + 1)) ;; lo) lows=$((lows + 1)) ;; esac
-      # Odd multiples of the period, so that successive samples meet both levels of a line that toggles every tick.
-      sleep 0.003
+      # A little longer each time: whatever a sample takes, some meet each level of a line that toggles every tick.
+      sleep "0.00$((30 + sample * 2))"
     done
     echo "$highs $lows $(line 1) $(interrupts)" >/run/work/before
-    echo "$1"
+    ask_host $1
     sleep 0.7
     echo "$(line 1) $(interrupts)" >/run/work/after
   } &
@@ -67,6 +67,6 @@ press() {
   mv "$run" "$PATELLA_ARTEFACTS/$2"
 }
 
-press "@host line 3 1 0" interrupt
-press "@host line 3 1" level
+press "line 3 1 0" interrupt
+press "line 3 1" level
 finish
