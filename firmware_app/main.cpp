@@ -74,7 +74,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                  "monotonic, or virtual: as fast as the machine allows, repeatable to the bit");
   run.add_option("--seed", line.seed, "of the simulated rig");
   run.add_option("--faults", line.faults, "script of faults, TOML: what goes wrong in rig, bus and host");
-  run.add_option("--out", folder, "folder for the recording; must not hold one (default: runs/DATE-TIME)");
+  run.add_option("--out", folder, "folder for the recording; must not hold one (default: runs/DATE-TIME)")
+      ->check([](const std::string& name) { return name.empty() ? "'', expected a folder" : ""; });
   run.footer("Exit status: 0 done, 1 could not start, 3 ended in a latched stop, 4 recording failed.");
   CLI::App& check =
       *app.add_subcommand("check", "Check a configuration and this machine's fitness for real time.");
@@ -83,10 +84,17 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   check.add_flag("--nodes", ask_nodes,
                  "ask the CANopen drives on the bus what they are; nothing is written to them");
   check.footer(
-      "Exit status: 0 sound, 1 not; with --require-rt also 1 where the host lacks something required.");
+      "Exit status: 0 sound, 1 not, or where the host lacks what the loop cannot run without; with "
+      "--require-rt "
+      "also 1 where it lacks anything required.");
   const CLI::App& bounds = *app.add_subcommand(
       "bounds", "Print every key of every file, with range, default and meaning, as Markdown.");
   app.add_subcommand("view", "Serve a live run to viewers, by a process of its own: patella view --help.");
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommand_no_throw(argv[1]) == nullptr) {
+    fmt::print(stderr, "patella: '{}' is no command, expected run, check, bounds or view; patella --help\n",
+               argv[1]);
+    return kError;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -60,12 +60,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   sigaction(SIGTERM, &action, nullptr);
 
   try {
+    if (interface != "can" && !interface.starts_with("can:")) {
+      throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE, such as can:vcan0");
+    }
     line.only_rig = true;
     line.backend = interface;
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
-    if (config.backend.kind != patella::app::BackendKind::kCan) {
-      throw std::invalid_argument("interface '" + interface + "', expected can:INTERFACE, such as can:vcan0");
-    }
     options.duration_s = line.duration_s.value_or(0.0);
     const auto rig = patella::app::makeRig(config);
     std::vector<std::unique_ptr<patella::can::Bus>> interfaces;

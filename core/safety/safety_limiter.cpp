@@ -17,8 +17,11 @@ void validate(const JointLimits& limits, const std::string& prefix) {
   requireBound(boundOf("safety.torque_rate_Nm_s"), limits.torque_rate_Nm_s, prefix + "torque_rate_Nm_s");
   requireBound(boundOf("safety.velocity_rad_s"), limits.velocity_rad_s, prefix + "velocity_rad_s");
   requireBound(boundOf("safety.q_min_rad"), limits.q_min_rad, prefix + "q_min_rad");
-  requireRange(prefix + "q_max_rad", limits.q_max_rad, limits.q_min_rad + kSmallestRange_rad,
-               boundOf("safety.q_max_rad").maximum);
+  requireBound(boundOf("safety.q_max_rad"), limits.q_max_rad, prefix + "q_max_rad");
+  if (limits.q_max_rad < limits.q_min_rad + kSmallestRange_rad) {
+    rejectValue(prefix + "q_max_rad", limits.q_max_rad,
+                "more than q_min_rad, " + shortestText(limits.q_min_rad));
+  }
   requireRange(prefix + "soft_margin_rad", limits.soft_margin_rad, boundOf("safety.soft_margin_rad").minimum,
                0.5 * (limits.q_max_rad - limits.q_min_rad));
 }

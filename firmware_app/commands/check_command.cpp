@@ -16,6 +16,7 @@
 #include "drivers/canopen/drive_nodes.hpp"
 #include "drivers/canopen/node_setup.hpp"
 #include "drivers/clock/clock.hpp"
+#include "firmware_app/configuration/reference_check.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
@@ -157,6 +158,7 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   }
   tellStability(config);
   requireStable(config);
+  requireWithinLimits(config);
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
   const bool unsealed = config.weights && !config.weights_sealed;
   line(!unsealed, false, "weights",
@@ -185,9 +187,12 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
     }
   }
   const bool ready = allRequiredOk(findings);
+  const bool runs = allIndispensableOk(findings);
   fmt::print("the configuration is sound; the host {}\n",
-             ready ? "is ready" : "lacks what is marked MISSING, so the loop would run degraded");
-  return ready || !require_rt;
+             ready  ? "is ready"
+             : runs ? "lacks what is marked MISSING, so the loop would run degraded"
+                    : "lacks what is marked MISSING, so the loop would not run");
+  return ready || (runs && !require_rt);
 }
 
 }  // namespace patella::app

@@ -24,6 +24,7 @@
 #include "drivers/canopen/drive_nodes.hpp"
 #include "drivers/canopen/node_setup.hpp"
 #include "drivers/signal_stack.hpp"
+#include "firmware_app/configuration/reference_check.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/standard_streams.hpp"
@@ -294,6 +295,7 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   }
   if (config.backend.kind != BackendKind::kReplay) {
     requireStable(config);  // a log moves nothing
+    requireWithinLimits(config);
   }
   warnOfWeights(config);
   const SignalStack signal_stack;

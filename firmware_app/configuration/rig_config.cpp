@@ -144,11 +144,11 @@ void readRigModel(const TomlTable& table, const std::optional<std::filesystem::p
                   RunConfig& config) {
   config.rig_model = config.model;
   config.rig_model_path = config.model_path;
-  if (table.has("model")) {
-    config.rig_model_path = table.path("model");
-  }
   if (model) {
+    table.string("model", "");
     config.rig_model_path = *model;
+  } else if (table.has("model")) {
+    config.rig_model_path = table.path("model");
   }
   if (!model && !table.has("model")) {
     return;

@@ -133,6 +133,16 @@ void applyCommandLine(const CommandLine& command_line, RunConfig& config) {
   config.realtime.require_rt = command_line.require_rt;
 }
 
+// What the command line names stands in for what the file names, which need not be there then.
+std::filesystem::path input(const TomlTable& root, const char* key,
+                            const std::optional<std::filesystem::path>& instead) {
+  if (instead) {
+    root.string(key, "");
+    return *instead;
+  }
+  return root.path(key);
+}
+
 // A constructor refuses values of the configuration: its errors name the file.
 template <typename Make>
 auto located(const std::filesystem::path& path, Make&& make) {
@@ -221,19 +231,11 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   config.loop.buses = config.buses.size();
   requireTicks(loop, config, !command_line.duration_s);
 
-  config.model_path = root.path("model");
-  if (command_line.model) {
-    config.model_path = *command_line.model;
-  }
+  config.model_path = input(root, "model", command_line.model);
   config.model = loadModel(config.model_path);
   config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal, busNames(config.buses));
-  if (root.has("weights")) {
-    config.weights_path = root.path("weights");
-  }
-  if (command_line.weights) {
-    config.weights_path = *command_line.weights;
-  }
-  if (!config.weights_path.empty()) {
+  if (command_line.weights || root.has("weights")) {
+    config.weights_path = input(root, "weights", command_line.weights);
     config.weights = loadNetworkWeights(config.weights_path, &config.weights_sealed);
   }
   readTickConfig(root, config);

@@ -259,7 +259,13 @@ std::vector<std::string> TomlTable::strings(std::string_view key, CountRange cou
 }
 
 std::filesystem::path TomlTable::path(std::string_view key) const {
-  return (std::filesystem::path(state_->file).parent_path() / string(key)).lexically_normal();
+  const std::filesystem::path found =
+      (std::filesystem::path(state_->file).parent_path() / string(key)).lexically_normal();
+  std::error_code ignored;
+  if (!std::filesystem::exists(found, ignored)) {
+    throw error(key, "there is no file " + found.string() + ", expected a path from the folder of this file");
+  }
+  return found;
 }
 
 template <typename Read, typename Value>

@@ -78,7 +78,7 @@ class TomlTable {
   std::vector<std::string> strings(std::string_view key, CountRange count) const;
   std::vector<std::string> strings(std::string_view key, CountRange count,
                                    std::span<const std::string> fallback) const;
-  /// Path named by the key, relative ones taken from the folder of the file that names them.
+  /// Path named by the key, relative ones taken from the folder of the file that names them. It exists.
   std::filesystem::path path(std::string_view key) const;
 
   /// Sub-table, required.

@@ -25,6 +25,11 @@ Finding finding(std::string name, bool required, bool ok, std::string found, std
   return {std::move(name), ok, required, std::move(found), std::move(expected), ok ? "" : std::move(fix)};
 }
 
+Finding indispensable(Finding finding) {
+  finding.indispensable = true;
+  return finding;
+}
+
 std::string limitText(rlim_t limit) {
   return limit == RLIM_INFINITY ? "unlimited" : std::to_string(limit);
 }
@@ -133,16 +138,17 @@ void addInterfaceFindings(std::vector<Finding>& findings, const CanNeed& need) {
   const std::string& name = need.interface;
   const auto interface = queryCanInterface(name);
   const bool there = interface && interface->can;
-  findings.push_back(finding("can_interface", kRequired, there,
-                             there       ? name + " (" + interface->kind + ")"
-                             : interface ? name + " is no CAN interface"
-                                         : name + " does not exist",
-                             name, "connect the adapter, or name another interface (ip -br link)"));
+  findings.push_back(
+      indispensable(finding("can_interface", kRequired, there,
+                            there       ? name + " (" + interface->kind + ")"
+                            : interface ? name + " is no CAN interface"
+                                        : name + " does not exist",
+                            name, "connect the adapter, or name another interface (ip -br link)")));
   if (!there) {
     return;
   }
-  findings.push_back(finding("can_up", kRequired, interface->up, interface->up ? "up" : "down", "up",
-                             "ip link set " + name + " up"));
+  findings.push_back(indispensable(finding("can_up", kRequired, interface->up, interface->up ? "up" : "down",
+                                           "up", "ip link set " + name + " up")));
   if (interface->state) {
     const bool healthy = *interface->state == CAN_STATE_ERROR_ACTIVE;
     findings.push_back(
@@ -170,9 +176,9 @@ void addInterfaceFindings(std::vector<Finding>& findings, const CanNeed& need) {
 
 void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
   const bool kernel = kernelHasCan();
-  findings.push_back(finding("can_kernel", kRequired, kernel, kernel ? "present" : "absent",
-                             "raw CAN sockets",
-                             "modprobe can-raw, or use a kernel built with CONFIG_CAN_RAW"));
+  findings.push_back(
+      indispensable(finding("can_kernel", kRequired, kernel, kernel ? "present" : "absent", "raw CAN sockets",
+                            "modprobe can-raw, or use a kernel built with CONFIG_CAN_RAW")));
   for (const CanNeed& need : needs.can) {
     std::vector<Finding> own;
     addInterfaceFindings(own, need);
@@ -187,13 +193,13 @@ Finding gpioFinding(const HostNeeds& needs) {
   const char* const path = needs.gpio_chip.c_str();
   const bool there = access(path, F_OK) == 0;
   const bool ok = there && access(path, R_OK | W_OK) == 0;
-  return finding("gpio_chip", kRequired, ok,
-                 needs.gpio_chip + (ok      ? ""
-                                    : there ? " is not accessible"
-                                            : " does not exist"),
-                 needs.gpio_chip + ", readable and writable",
-                 there ? "join the group that owns it (ls -l " + needs.gpio_chip + ")"
-                       : "name one of the chips that gpiodetect lists");
+  return indispensable(finding("gpio_chip", kRequired, ok,
+                               needs.gpio_chip + (ok      ? ""
+                                                  : there ? " is not accessible"
+                                                          : " does not exist"),
+                               needs.gpio_chip + ", readable and writable",
+                               there ? "join the group that owns it (ls -l " + needs.gpio_chip + ")"
+                                     : "name one of the chips that gpiodetect lists"));
 }
 
 }  // namespace

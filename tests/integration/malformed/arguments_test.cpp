@@ -67,6 +67,21 @@ TEST_CASE("no configuration, and no command") {
   const Outcome bare = workshop.patella({});
   CHECK(bare.exit_status == 1);
   CHECK(bare.errors.find("subcommand is required") != std::string::npos);
+  const Outcome unknown = workshop.patella({"replay", "--help"});
+  CHECK(unknown.exit_status == 1);
+  CHECK(unknown.errors.find("'replay' is no command, expected run, check, bounds or view") !=
+        std::string::npos);
+}
+
+TEST_CASE("an interface that there is not, to check") {
+  const Workshop workshop;
+  const Outcome check =
+      workshop.patella({"check", "--config", workshop.file(kConfig).string(), "--backend", "can:nosuch0"});
+  CHECK(check.exit_status == 1);
+}
+
+TEST_CASE("no name of a folder") {
+  expectRefusedWith({"--out", ""}, {"--out: '', expected a folder"});
 }
 
 TEST_CASE("an interface that there is not") {

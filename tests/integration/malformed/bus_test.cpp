@@ -8,7 +8,7 @@ using namespace patella::test;
 TEST_CASE("a DBC that does not describe a bus") {
   const std::string knee = "BO_ 273 Encoder2: 8 Rig";
   expectRefused({
-      {"missing", removed(kDbc), {"patella.dbc: cannot be opened: No such file"}, {}},
+      {"missing", removed(kDbc), {"patella.toml:", ": key 'dbc'", "there is no file", "patella.dbc"}, {}},
       {"folder", turnedIntoFolder(kDbc), {"patella.dbc: is a directory, expected a regular file"}, {}},
       {"empty: no message that the map names", written(kDbc, ""), {"patella.dbc", "Encoder1"}, {}},
       {"syntax", replaced(kDbc, knee, "BO_ 273 Encoder2 8 Rig"), {"patella.dbc:{line}:", "':'"}, {}},
@@ -32,7 +32,10 @@ TEST_CASE("a DBC that does not describe a bus") {
 TEST_CASE("a map from signals to inputs that does not fit") {
   const std::string knee = "{ name = \"position_rad.2\", message = \"Encoder2\", signal = \"Position\" },";
   expectRefused({
-      {"missing", removed(kMap), {"can/patella.toml: cannot be opened: No such file"}, {}},
+      {"missing",
+       removed(kMap),
+       {"adult.toml:", ": key 'bus.map'", "there is no file", "can/patella.toml"},
+       {}},
       {"unknown message",
        replaced(kMap, knee, "{ name = \"position_rad.2\", message = \"Encoder9\", signal = \"Position\" },"),
        {"can/patella.toml: ", "position_rad.2", "no message 'Encoder9'", "Encoder2"},

@@ -7,7 +7,10 @@ using namespace patella::test;
 
 TEST_CASE("a model that cannot be read") {
   expectRefused({
-      {"missing", removed(kModel), {"models/adult.toml: cannot be opened: No such file"}, {}},
+      {"missing",
+       removed(kModel),
+       {"adult.toml:", ": key 'model'", "there is no file", "models/adult.toml"},
+       {}},
       {"folder",
        turnedIntoFolder(kModel),
        {"models/adult.toml: is a directory, expected a regular file"},
@@ -17,7 +20,10 @@ TEST_CASE("a model that cannot be read") {
        none(),
        {"nowhere.toml: cannot be opened: No such file"},
        {"--model", "{dir}nowhere.toml"}},
-      {"of the rig, missing", removed(kRigModel), {"adult_rubbing.toml: cannot be opened"}, {}},
+      {"of the rig, missing",
+       removed(kRigModel),
+       {"adult.toml:", ": key 'rig.model'", "there is no file", "adult_rubbing.toml"},
+       {}},
   });
 }
 

@@ -126,7 +126,10 @@ TEST_CASE("weights that are no safetensors file") {
 TEST_CASE("the network of the default configuration, missing or damaged, is named") {
   static constexpr const char* kShipped = "firmware_app/config/weights/demonstration.safetensors";
   expectRefused({
-      {"missing", removed(kShipped), {"demonstration.safetensors: cannot be opened: No such file"}, {}},
+      {"missing",
+       removed(kShipped),
+       {"adult.toml:", ": key 'weights'", "there is no file", "demonstration.safetensors"},
+       {}},
       {"cut off",
        [](Workshop& workshop) { workshop.write(kShipped, workshop.read(kShipped).substr(0, 20'000)); },
        {"demonstration.safetensors: tensor '", "data_offsets", "not within"},

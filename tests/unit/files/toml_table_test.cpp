@@ -148,10 +148,16 @@ limt_Nm = 2
 
 TEST_CASE("files are loaded, and paths in them are relative to them") {
   const ScratchFolder folder;
-  writeFile(folder / "config.toml", "model = \"models/leg.toml\"\nother = \"/etc/leg.toml\"\n");
+  std::filesystem::create_directory(folder / "models");
+  writeFile(folder / "models/leg.toml", "");
+  writeFile(folder / "config.toml",
+            "model = \"models/leg.toml\"\nother = \"/dev/null\"\nnone = \"models/arm.toml\"\n");
   const TomlDocument document = TomlDocument::load(folder / "config.toml");
   CHECK(document.root().path("model") == folder / "models/leg.toml");
-  CHECK(document.root().path("other") == "/etc/leg.toml");
+  CHECK(document.root().path("other") == "/dev/null");
+  CHECK(messageOf<FileError>([&] { document.root().path("none"); }) ==
+        (folder / "config.toml").string() + ":3: key 'none': there is no file " +
+            (folder / "models/arm.toml").string() + ", expected a path from the folder of this file");
   const auto absent = folder / "absent.toml";
   CHECK(messageOf<FileError>([&] { TomlDocument::load(absent); }) ==
         absent.string() + ": cannot be opened: No such file or directory");

@@ -172,6 +172,8 @@ TEST_CASE("interfaces and chips are judged only when they are needed") {
   CHECK(named(findings, "gpio_chip").fix.find("gpiodetect") != std::string::npos);
   CHECK(named(findings, "can_kernel").ok == kernelHasCan());
   CHECK_FALSE(allRequiredOk(findings));
+  CHECK_FALSE(allIndispensableOk(findings));
+  CHECK(allIndispensableOk(hostReadiness({}, host.files())));
 
   needs.can = {{.interface = "lo", .bitrate = 0}};
   CHECK(named(hostReadiness(needs, host.files()), "can_interface").found == "lo is no CAN interface");
