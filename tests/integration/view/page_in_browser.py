@@ -177,7 +177,7 @@ def look_at_recording(browser, check, patella, arguments, folder, pictures):
     served = Served(patella, run)
     browser.width(WIDTHS["desktop"])
     browser.open(served.address + "/")
-    check(until(browser, f"{LINK} === 'recording' && {STATE} === 'active'", 10)[0], "a finished run is shown by the same page")
+    check(until(browser, f"{LINK} === 'recorded run, not live' && {STATE} === 'active'", 10)[0], "a finished run is shown by the same page")
     scrub(browser, 39.0)
     check(until(browser, f"{SHOWN_TIME} === 't = 39.00 s'", 10)[0] and browser.evaluate(FAULTS) == [], "before the fault none is shown")
     check(browser.evaluate(STATE) == "active", "and the state is that of then")
@@ -224,7 +224,7 @@ def look_at_log(browser, check, patella, arguments, folder):
     check(refused.returncode == 1 and "--config" in refused.stderr, f"a log needs the loop's configuration: {refused.stderr.strip()}")
     served = Served(patella, log, *arguments[:2])
     browser.open(served.address + "/")
-    shown, _ = until(browser, f"{LINK} === 'recording' && {STATE} === 'active'", 10)
+    shown, _ = until(browser, f"{LINK} === 'recorded run, not live' && {STATE} === 'active'", 10)
     check(shown, f"a log is shown as the loop takes it: {browser.evaluate(STATE)}")
     served.end()
 

@@ -292,7 +292,7 @@ class Run {
     const node = byId("connection");
     const link = node.dataset.link;
     if (!this.live) {
-      node.dataset.kind = link === "lost" ? "bad" : "good";
+      node.dataset.kind = link === "lost" ? "bad" : "ended";
       return;
     }
     const behind = Math.abs(this.lag.newest) > OTHER_CLOCK_MS ? 0 : this.lag.newest - this.lag.least;

@@ -21,7 +21,7 @@ class RecordingSource {
       this.run.begin(answer.server_info);
       this.run.advertised(answer.advertise.channels);
       this.run.recordedEvents(this.events);
-      this.run.connection("recording", "recording");
+      this.run.connection("recording", "recorded run, not live");
       this.at = this.start_s;
       this.run.opened(this);
       this.seek(Math.min(this.start_s + 10, this.end_s));
