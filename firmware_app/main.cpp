@@ -90,7 +90,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   const CLI::App& bounds = *app.add_subcommand(
       "bounds", "Print every key of every file, with range, default and meaning, as Markdown.");
   app.add_subcommand("view", "Serve a live run to viewers, by a process of its own: patella view --help.");
-  if (argc > 1 && argv[1][0] != '-' && app.get_subcommand_no_throw(argv[1]) == nullptr) {
+  const auto asked = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(asked).empty()) {
     fmt::print(stderr, "patella: '{}' is no command, expected run, check, bounds or view; patella --help\n",
                argv[1]);
     return kError;

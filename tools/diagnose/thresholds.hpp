@@ -296,6 +296,8 @@ namespace unknown {
 /// Share of a joint's torque (rms) that a model may leave beyond noise and still be said to lack nothing but
 /// what was found: machines leave a tenth to a fifth with the best model of them.
 inline constexpr double kMaterialRest = 0.2;
+/// Multiple of what sensors and declared pushes make up to which what is left beyond it is called noise.
+inline constexpr double kLikeNoise = 2.0;
 /// Multiple of the declared variance that a person's pushes may have in one recording.
 inline constexpr double kPush = 2.0;
 /// Multiple of accepted::kFamilyWiseP for a dependence behind named effects. Where nothing was named it would
@@ -308,6 +310,9 @@ inline constexpr double kShareOfSwings = 0.3;
 inline constexpr double kWorthASecondLook = 0.1;
 /// Share of the level that the second look gets: whoever looks twice has two chances to be wrong.
 inline constexpr double kLevelOfSecondLook = 0.5;
+/// Correlation of what two joints leave from which on they are looked at one by one, too: a function on one
+/// of them, of a torque that both have, keeps (1 − ρ)/(1 + ρ) of its evidence beside the other.
+inline constexpr double kJointsAlike = 0.5;
 /// Share of the torque that the model lacks that a smooth function must find behind the named effects for all
 /// to be called unknown. Below, it may as well be that nature's effect is not quite the library's, or that a
 /// person's push goes with the motion.

@@ -127,6 +127,21 @@ Weighting Weighting::rescaled(const Eigen::VectorXd& residual) const {
   return result;
 }
 
+Weighting Weighting::jointByJoint() const {
+  const Eigen::MatrixXd root = inverse_root_.inverse();
+  Weighting result = *this;
+  result.inverse_root_ = root.rowwise().norm().cwiseInverse().asDiagonal();
+  return result;
+}
+
+double Weighting::correlation() const {
+  Eigen::MatrixXd root = inverse_root_.inverse();
+  root.rowwise().normalize();
+  Eigen::MatrixXd correlations = root * root.transpose();
+  correlations.diagonal().setZero();
+  return correlations.cwiseAbs().maxCoeff();
+}
+
 Eigen::MatrixXd Weighting::covariance(const Eigen::VectorXd& residual) const {
   const Eigen::VectorXd weighted = filter_.innovations(*data_, residual);
   const Eigen::Map<const Eigen::MatrixXd> joints(weighted.data(), rows_, data_->joints());

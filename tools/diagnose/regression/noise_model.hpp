@@ -39,6 +39,10 @@ class Weighting {
   Weighting(const Dataset& data, const Eigen::VectorXd& residual);
   /// The same filter, scaled to another residual.
   Weighting rescaled(const Eigen::VectorXd& residual) const;
+  /// The same filter and scale, with the joints' correlation left in.
+  Weighting jointByJoint() const;
+  /// Largest correlation between two joints of what it was scaled to, without its sign.
+  double correlation() const;
 
   /// Number of one joint's rows.
   Eigen::Index rows() const noexcept { return rows_; }

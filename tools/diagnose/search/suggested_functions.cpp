@@ -149,6 +149,35 @@ void addStops(const Dataset& data, FunctionAtoms& atoms) {
   }
 }
 
+// A load that is taken up or put down, a drive whose gain changes: the modelled torque, in one stretch of the
+// recording only. Parameters that are constant take up no more than its mean.
+void addChangingLoad(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
+  constexpr int kStretches = 8;
+  const Eigen::Index rows = data.rows();
+  const Eigen::VectorXd driven = data.driveTorque();
+  for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
+    const auto left = fit.residual.segment(joint * rows, rows);
+    const auto drive = driven.segment(joint * rows, rows);
+    // What the model has on a joint that nothing drives is what is left, by its definition.
+    if (drive.norm() < 2.0 * left.norm()) {
+      continue;
+    }
+    const Eigen::VectorXd modelled = drive - left;
+    for (int from = 0; from < kStretches; ++from) {
+      for (int to = from + 1; to <= kStretches; ++to) {
+        const Eigen::Index first = rows * from / kStretches;
+        const Eigen::Index count = rows * to / kStretches - first;
+        if (count == rows) {
+          continue;
+        }
+        Eigen::VectorXd stretch = Eigen::VectorXd::Zero(rows);
+        stretch.segment(first, count) = modelled.segment(first, count);
+        atoms.add(fmt::format("torque{}*time", joint + 1), joint, std::span(&stretch, 1));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void FunctionAtoms::add(const std::string& label, int joint, std::span<const Eigen::VectorXd> functions) {
@@ -180,6 +209,7 @@ void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int>
   addChangingInertia(data, fit, atoms);
   addDrag(data, atoms);
   addStops(data, atoms);
+  addChangingLoad(data, fit, atoms);
 }
 
 // k(t) (q − rest) where k swings: about the rest of restPosition(); and about any, which takes a swing by

@@ -26,7 +26,7 @@ class FunctionAtoms {
 };
 
 /// A muscle or a strap over two joints; stiffness that a muscle brings with it; an inertia that depends on
-/// posture; drag; a stop.
+/// posture; drag; a stop; a load or a gain that changes.
 void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                   FunctionAtoms& atoms);
 

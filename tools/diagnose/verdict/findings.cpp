@@ -58,6 +58,28 @@ void addConfounds(EffectFinding& finding, int joints) {
   }
 }
 
+// The joint with the largest rest against its torque, of those where more is left than sensors make.
+std::string whatIsLeft(const Diagnosis& diagnosis) {
+  const RestOfJoint* worst = nullptr;
+  for (const RestOfJoint& rest : diagnosis.rests) {
+    const bool more = rest.structure_Nm > unknown::kLikeNoise * rest.noise_Nm && rest.torque_Nm > 0.0;
+    if (more &&
+        (worst == nullptr || rest.structure_Nm * worst->torque_Nm > worst->structure_Nm * rest.torque_Nm)) {
+      worst = &rest;
+    }
+  }
+  if (worst == nullptr) {
+    return "the residual is no more than noise.";
+  }
+  return fmt::format(
+      "nothing that was looked for explains more. {:.2g} {} are left on joint {}, {:.2g} % of its torque; "
+      "sensors "
+      "make {:.2g} {}. That is a push that was not declared (--person), or something that no test here "
+      "tells.",
+      worst->structure_Nm, diagnosis.torque_unit, worst - diagnosis.rests.data() + 1,
+      100.0 * worst->structure_Nm / worst->torque_Nm, worst->noise_Nm, diagnosis.torque_unit);
+}
+
 }  // namespace
 
 std::string_view verdictName(Verdict verdict) noexcept {
@@ -153,8 +175,7 @@ std::string explanation(const Diagnosis& diagnosis) {
                  ? "What was found explains the residual; the recording is too short to hold a part out."
                  : "What was found explains the residual on the held-out part, too.";
     case Verdict::kNothingMissing: {
-      const std::string text =
-          "After the nominal parameters were refitted, the residual is no more than noise.";
+      const std::string text = "After the nominal parameters were refitted, " + whatIsLeft(diagnosis);
       const auto moved =
           std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(),
                        [](const RefittedParameter& parameter) { return parameter.isBeyond(); });
