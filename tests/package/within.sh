@@ -38,6 +38,7 @@ dpkg --listfiles patella | while read -r file; do [[ $file != /etc/* ]] || [ -d 
 
 echo "== run"
 patella --version
+grep -q '^duration_s = 0 ' /etc/patella/rig.toml || fail "a run of rig.toml ends by itself: $(grep duration_s /etc/patella/rig.toml)"
 patella check --config /etc/patella/rig.toml >"$notes/check" || fail "patella check: $(cat "$notes/check")"
 patella run --config /etc/patella/rig.toml --clock virtual --duration 3 --out /tmp/run >"$notes/run" ||
   fail "patella run: $(cat "$notes/run")"
