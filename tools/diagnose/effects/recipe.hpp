@@ -57,6 +57,8 @@ struct Recipe {
   bool proportional = false;
   /// Physical parameters are products of exponentials of ν: what is uncertain of them is a factor.
   bool by_factors = false;
+  /// Parameters that follow from what the recipe assumes: they have no interval, and are not listed.
+  std::vector<std::string> assumed;
   /// The drive gives more or less than it was told: all that the other effects and the mechanism take from it
   /// counts 1 − c times.
   bool scales_all = false;

@@ -115,13 +115,16 @@ std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::Matri
   for (std::size_t p = 0; p < values.size(); ++p) {
     const auto row = static_cast<Eigen::Index>(p);
     const double half = kDeviations95 * std::sqrt(std::max(0.0, propagated(row, row)));
+    const std::string name(descriptor.parameters[p].name);
+    const auto& assumed = term.recipe->assumed;
+    const bool is_assumed = std::find(assumed.begin(), assumed.end(), name) != assumed.end();
     // A modelling choice is an estimate where it was fitted.
-    if (descriptor.parameters[p].identified || slope.row(row).squaredNorm() > 0.0) {
-      all.push_back({.name = std::string(descriptor.parameters[p].name),
+    if (descriptor.parameters[p].identified || (slope.row(row).squaredNorm() > 0.0 && !is_assumed)) {
+      all.push_back({.name = name,
                      .value = values[p],
                      .ci95 = {values[p] - half, values[p] + half},
                      .by_factor = term.recipe->by_factors,
-                     .at_bound = at_bound.contains(std::string(descriptor.parameters[p].name))});
+                     .at_bound = at_bound.contains(name)});
       if (all.back().by_factor) {
         const double factor = std::exp(std::min(half / values[p], kLargestLogarithm));
         all.back().ci95 = {values[p] / factor, values[p] * factor};
