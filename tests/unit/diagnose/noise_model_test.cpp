@@ -95,3 +95,28 @@ TEST_CASE("a product of a weighted residual is that of the residual with what th
   CHECK(weights.col(0).dot(weighting.apply(noise).col(0)) ==
         doctest::Approx(weighting.transposed(weights).col(0).dot(noise)));
 }
+
+TEST_CASE("joint by joint, a column keeps the evidence that noise which joints share takes from it") {
+  Recording recording = swing(60.0);
+  recording.joints = 2;
+  recording.position_rad[1] = recording.position_rad[0];
+  recording.torque_Nm[1] = recording.torque_Nm[0];
+  const Dataset data(std::span(&recording, 1), DatasetOptions{});
+  const Eigen::VectorXd shared = firstOrder(data.rows(), 0.5, 3);
+  Eigen::VectorXd residual(2 * data.rows());
+  residual << shared + 0.1 * firstOrder(data.rows(), 0.5, 5), shared + 0.1 * firstOrder(data.rows(), 0.5, 7);
+  const Weighting together(data, residual);
+  CHECK(together.correlation() > 0.95);
+  const Weighting apart = together.jointByJoint();
+  CHECK(apart.correlation() < 1e-6);
+  Eigen::VectorXd column = residual;
+  column.head(data.rows()).setZero();
+  const auto gain = [&](const Weighting& weighting) {
+    const Eigen::VectorXd own = weighting.apply(column).col(0);
+    return std::pow(own.dot(weighting.apply(residual).col(0)), 2) / own.squaredNorm();
+  };
+  CHECK(gain(together) < 0.1 * gain(apart));
+  // In units of each joint's own deviation.
+  CHECK(apart.apply(column).col(0).squaredNorm() ==
+        doctest::Approx(static_cast<double>(apart.rows())).epsilon(0.01));
+}

@@ -98,3 +98,22 @@ TEST_CASE("an answer claims a held-out part only where there was one") {
   settle(diagnosis);
   CHECK(diagnosis.explanation.find("held-out") != std::string::npos);
 }
+
+TEST_CASE("nothing missing says what is left where sensors do not make it, and noise where they do") {
+  Diagnosis diagnosis;
+  diagnosis.rests = {{.torque_Nm = 10.0, .structure_Nm = 0.02, .noise_Nm = 0.014},
+                     {.torque_Nm = 5.0, .structure_Nm = 0.02, .noise_Nm = 0.014}};
+  settle(diagnosis);
+  CHECK(diagnosis.verdict == Verdict::kNothingMissing);
+  CHECK(diagnosis.explanation ==
+        "After the nominal parameters were refitted, the residual is no more than noise.");
+  diagnosis.rests[1].structure_Nm = 0.375;
+  settle(diagnosis);
+  CHECK(diagnosis.verdict == Verdict::kNothingMissing);
+  CHECK(diagnosis.explanation ==
+        "After the nominal parameters were refitted, nothing that was looked for explains more. 0.38 N·m are "
+        "left on "
+        "joint 2, 7.5 % of its torque; sensors make 0.014 N·m. That is a push that was not declared "
+        "(--person), or "
+        "something that no test here tells.");
+}
