@@ -307,7 +307,7 @@ inline constexpr double kLevelBehindNamed = 2.0;
 /// come and go, too.
 inline constexpr double kShareOfSwings = 0.3;
 /// Probability by the noise of the fit up to which it pays to look again.
-inline constexpr double kWorthASecondLook = 0.1;
+inline constexpr double kWorthASecondLook = 0.2;
 /// Share of the level that the second look gets: whoever looks twice has two chances to be wrong.
 inline constexpr double kLevelOfSecondLook = 0.5;
 /// Correlation of what two joints leave from which on they are looked at one by one, too: a function on one

@@ -149,10 +149,31 @@ void addStops(const Dataset& data, FunctionAtoms& atoms) {
   }
 }
 
-// A load that is taken up or put down, a drive whose gain changes: the modelled torque, in one stretch of the
-// recording only. Parameters that are constant take up no more than its mean.
+/// A stretch of a recording, as shares of its rows.
+struct Stretch {
+  double from = 0.0;
+  double to = 1.0;
+};
+
+// From some row on, in small steps: a change that lasts. And between two rows, in larger ones: one that
+// passes. A stretch at the beginning is the end of a change that lasts the other way round.
+std::vector<Stretch> stretches() {
+  constexpr int kChanges = 24, kPassing = 8;
+  std::vector<Stretch> all;
+  for (int from = 1; from < kChanges; ++from) {
+    all.push_back({.from = static_cast<double>(from) / kChanges});
+  }
+  for (int from = 1; from < kPassing; ++from) {
+    for (int to = from + 1; to < kPassing; ++to) {
+      all.push_back({static_cast<double>(from) / kPassing, static_cast<double>(to) / kPassing});
+    }
+  }
+  return all;
+}
+
+// A load that is taken up or put down, a drive whose gain changes: the modelled torque in a stretch of the
+// recording, or more and more. Parameters that are constant take up no more than its mean.
 void addChangingLoad(const Dataset& data, const ModelFit& fit, FunctionAtoms& atoms) {
-  constexpr int kStretches = 8;
   const Eigen::Index rows = data.rows();
   const Eigen::VectorXd driven = data.driveTorque();
   for (int joint = 0; joint < data.joints() && !data.isStatic(); ++joint) {
@@ -163,18 +184,16 @@ void addChangingLoad(const Dataset& data, const ModelFit& fit, FunctionAtoms& at
       continue;
     }
     const Eigen::VectorXd modelled = drive - left;
-    for (int from = 0; from < kStretches; ++from) {
-      for (int to = from + 1; to <= kStretches; ++to) {
-        const Eigen::Index first = rows * from / kStretches;
-        const Eigen::Index count = rows * to / kStretches - first;
-        if (count == rows) {
-          continue;
-        }
-        Eigen::VectorXd stretch = Eigen::VectorXd::Zero(rows);
-        stretch.segment(first, count) = modelled.segment(first, count);
-        atoms.add(fmt::format("torque{}*time", joint + 1), joint, std::span(&stretch, 1));
-      }
+    const std::string label = fmt::format("torque{}*time", joint + 1);
+    for (const Stretch& stretch : stretches()) {
+      const auto first = static_cast<Eigen::Index>(stretch.from * static_cast<double>(rows));
+      const Eigen::Index count = static_cast<Eigen::Index>(stretch.to * static_cast<double>(rows)) - first;
+      Eigen::VectorXd changed = Eigen::VectorXd::Zero(rows);
+      changed.segment(first, count) = modelled.segment(first, count);
+      atoms.add(label, joint, std::span(&changed, 1));
     }
+    const Eigen::VectorXd growing = modelled.cwiseProduct(Eigen::VectorXd::LinSpaced(rows, 0.0, 1.0));
+    atoms.add(label, joint, std::span(&growing, 1));
   }
 }
 
