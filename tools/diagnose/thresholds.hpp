@@ -296,6 +296,10 @@ namespace unknown {
 /// Share of a joint's torque (rms) that a model may leave beyond noise and still be said to lack nothing but
 /// what was found: machines leave a tenth to a fifth with the best model of them.
 inline constexpr double kMaterialRest = 0.2;
+/// The same where nothing was found: what is missing there has to be small, as whoever reads "nothing is
+/// missing" looks no further. A load that is grasped and released again and again leaves a tenth and no
+/// function that would be seen.
+inline constexpr double kRestOfNothing = 0.05;
 /// Multiple of what sensors and declared pushes make up to which what is left beyond it is called noise.
 inline constexpr double kLikeNoise = 2.0;
 /// Multiple of the declared variance that a person's pushes may have in one recording.

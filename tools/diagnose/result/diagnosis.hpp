@@ -34,9 +34,10 @@ struct Doubt {
     kUnexplained,         ///< what is left bends like no effect of the library
     kOutweighed,          ///< effects were found, but each explains less than what nothing explains
     kSingleSinusoids,     ///< several effects were found under single sinusoids
-    kLargeRest,           ///< more is left than sensors and declared pushes make
+    kLargeRest,           ///< much more is left than sensors and declared pushes make
     kJointAtRest,         ///< what is missing on a joint that does not move cannot be told
     kPlainEffectsUnseen,  ///< plain effects of three times the noise would not show
+    kSomeRest,            ///< more is left than sensors and declared pushes make, which is not nothing
   };
   using enum Kind;
 

@@ -122,6 +122,8 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
       return "joint_at_rest";
     case Doubt::kPlainEffectsUnseen:
       return "plain_effects_unseen";
+    case Doubt::kSomeRest:
+      return "some_rest";
   }
   return "";
 }

@@ -16,12 +16,12 @@ void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnos
   const auto worst = std::max_element(rests.begin(), rests.end(), [](const auto& a, const auto& b) {
     return a.structure_Nm() * b.torque_Nm < b.structure_Nm() * a.torque_Nm;
   });
-  if (!worst->exceeds(unknown::kMaterialRest)) {
+  if (!worst->exceeds(unknown::kRestOfNothing)) {
     return;
   }
   constexpr double kPercent = 100.0;
   diagnosis.doubts.push_back(
-      {Doubt::kLargeRest,
+      {worst->exceeds(unknown::kMaterialRest) ? Doubt::kLargeRest : Doubt::kSomeRest,
        fmt::format(
            "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, "
            "where sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",

@@ -31,6 +31,7 @@ constexpr std::array kRules{
     Rule{Doubt::kLargeRest, Against::kNothing, Verdict::kUnknownEffect},
     Rule{Doubt::kJointAtRest, Against::kNothing, Verdict::kInsufficientExcitation},
     Rule{Doubt::kPlainEffectsUnseen, Against::kNothing, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kSomeRest, Against::kNothing, Verdict::kUnknownEffect},
 };
 
 static_assert(std::is_sorted(kRules.begin(), kRules.end(),

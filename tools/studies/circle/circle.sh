@@ -28,18 +28,21 @@ done
 [ -n "$out" ] || { echo "circle.sh: --out DIR is missing" >&2; exit 2; }
 [ ${#rigs[@]} -gt 0 ] || rigs=(tools/studies/circle/*.toml tools/studies/circle/two_legs/*.toml)
 
-# Configuration of the loop, its model and the motion that is not recorded, for the rig of this round.
+# Configuration of the loop, its model, the motion that is not recorded and the patient's push, for the rig of this round.
 choose() {
   if grep -q '^kind = "serial_chain"' "$rig"; then
     config=firmware_app/config/two_legs_identification.toml
     model=firmware_app/config/models/two_legs.toml
     unseen=firmware_app/config/references/two_legs_unseen.toml
     joints=(q1 q2 q3 q4)
+    person=()
   else
     config=firmware_app/config/identification.toml
     model=firmware_app/config/models/adult.toml
     unseen=firmware_app/config/references/unseen.toml
     joints=(hip knee)
+    # What the patient's 1.5 N make of torque: d̂ rms of the loop that has the rig's own model.
+    person=(--person 1.1,0.6)
   fi
 }
 
@@ -79,7 +82,7 @@ for rig in "${rigs[@]}"; do
   sed -n '/^#/!q; s/^# /  hidden: /p' "$rig" | sed '2,$s/hidden: //'
   run "$folder/recorded"
   "$bin/tools/diagnose/patella-diagnose" --model "$model" --data "$folder/recorded" --out "$folder/diagnosis" \
-    2>"$folder/diagnosis.txt" | sed 's/^/  /' || { cat "$folder/diagnosis.txt" >&2; exit 1; }
+    "${person[@]}" 2>"$folder/diagnosis.txt" | sed 's/^/  /' || { cat "$folder/diagnosis.txt" >&2; exit 1; }
   run "$folder/plain" --reference "$unseen" --seed 2
   run "$folder/extended" --reference "$unseen" --seed 2 --model "$folder/diagnosis/model.extended.toml"
   run "$folder/truth" --reference "$unseen" --seed 2 --model "$rig"
