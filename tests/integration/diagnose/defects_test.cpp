@@ -112,7 +112,7 @@ TEST_CASE("a recording that is damaged") {
   }
   SUBCASE("too short") {
     bench.write("run.csv", kneeCsv(0.0, 0.1));
-    bench.expectRefused({}, {"run.csv: 50 complete rows, expected at least 100"});
+    bench.expectRefused({}, {"run.csv: 50 complete rows, expected at least 200"});
   }
   SUBCASE("a folder that is no run") {
     std::filesystem::create_directory(bench.file("folder"));

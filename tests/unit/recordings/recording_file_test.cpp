@@ -156,8 +156,8 @@ TEST_CASE("rows without a value go: at the ends silently, between as lost sample
 }
 
 TEST_CASE("what cannot be a recording is refused") {
-  CHECK(refusal(csv(kHeader, 99, [](int i) { return row(0.001 * i, 0.0); })) ==
-        "run.csv: 99 complete rows, expected at least 100");
+  CHECK(refusal(csv(kHeader, 199, [](int i) { return row(0.001 * i, 0.0); })) ==
+        "run.csv: 199 complete rows, expected at least 200");
   CHECK(refusal(csv("t_s,q_rad,tau1_Nm", 300, [](int i) { return row(0.001 * i, 0.0); })) ==
         "run.csv:1: there is no column 'q1_rad', did you mean 'q_rad'?");
   CHECK(refusal(csv("t_s,q1_rad,q2_rad,tau1_Nm", 300, [](int i) { return row(0.001 * i, 0.0) + ",0"; })) ==

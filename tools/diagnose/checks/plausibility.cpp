@@ -9,9 +9,13 @@
 #include "tools/diagnose/checks/convention_search.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/recordings/reading_limits.hpp"
 
 namespace patella::diagnose {
 namespace {
+
+// What a file may hold is refused once, as it is read.
+static_assert(readable::kFewestRows == kFewestRows && readable::kFewestPostures == kFewestPostures);
 
 [[noreturn]] void refuse(const Recording& recording, const std::string& reason) {
   throw std::invalid_argument(recording.name + ": " + reason);
