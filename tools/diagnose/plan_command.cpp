@@ -24,6 +24,7 @@
 #include "tools/diagnose/plan/motion_plan.hpp"
 #include "tools/diagnose/plan/repair.hpp"
 
+#include "tools/options/number_range.hpp"
 namespace patella::diagnose {
 namespace {
 
@@ -55,16 +56,16 @@ void declare(CLI::App& app, Arguments& a) {
          "unless given")
       ->delimiter(',');
   app.add_option("--duration", a.timing.duration_s, "s of motion, the blend included")
-      ->check(CLI::Range(2.0, 600.0))
+      ->check(options::numberFrom(2.0, 600.0))
       ->capture_default_str();
   app.add_option("--blend", a.timing.blend_s, "s in which the motion takes over from the start")
-      ->check(CLI::Range(boundOf("reference.blend_s").minimum, boundOf("reference.blend_s").maximum))
+      ->check(options::numberFrom(boundOf("reference.blend_s").minimum, boundOf("reference.blend_s").maximum))
       ->capture_default_str();
   app.add_option("--harmonics", a.timing.harmonics, "sines of each joint")
       ->check(CLI::Range(1, static_cast<int>(control::MultisineMotion::kMaxComponents)))
       ->capture_default_str();
   app.add_option("--highest", a.timing.highest_Hz, "Hz of the fastest sine")
-      ->check(CLI::Range(0.05, boundOf("reference.joint.frequency_Hz").maximum))
+      ->check(options::numberFrom(0.05, boundOf("reference.joint.frequency_Hz").maximum))
       ->capture_default_str();
   const auto list = [&](const char* name, std::vector<double>& values, const char* what) {
     app.add_option(name, values, what)->delimiter(',');
@@ -84,7 +85,7 @@ void declare(CLI::App& app, Arguments& a) {
       "unless given");
   app.add_option("--nominal-tolerance", a.nominal_tolerance,
                  "standard deviation, relative, by which the model's parameters may be wrong")
-      ->check(CLI::Range(1e-4, 1.0))
+      ->check(options::numberFrom(1e-4, 1.0))
       ->capture_default_str();
   app.add_option("--evaluations", a.design.evaluations, "motions that the search looks at")
       ->check(CLI::Range(100, 1000000))
