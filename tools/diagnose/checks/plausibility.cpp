@@ -56,6 +56,11 @@ void requireSegments(const Recording& recording) {
   }
 }
 
+// What was lost as the file was read may be why it is too short, and no report will tell it.
+std::string warningOf(const Recording& recording) {
+  return recording.warnings.empty() ? "" : "; " + recording.warnings.front();
+}
+
 void requireLength(const Recording& recording) {
   if (recording.is_static) {
     if (recording.rows() < readable::kFewestPostures) {
@@ -68,7 +73,8 @@ void requireLength(const Recording& recording) {
     refuse(recording, fmt::format("rate {} Hz, expected a positive one", recording.rate_Hz));
   }
   if (recording.rows() < readable::kFewestRows) {
-    refuse(recording, fmt::format("{} rows, expected at least {}", recording.rows(), readable::kFewestRows));
+    refuse(recording, fmt::format("{} rows, expected at least {}{}", recording.rows(), readable::kFewestRows,
+                                  warningOf(recording)));
   }
   double longest_s = 0.0;
   for (const Segment& segment : recording.segments) {
@@ -76,8 +82,8 @@ void requireLength(const Recording& recording) {
   }
   if (longest_s < readable::kShortest_s) {
     refuse(recording,
-           fmt::format("its longest stretch without a gap takes {:.3g} s, expected at least {:.3g} s",
-                       longest_s, readable::kShortest_s));
+           fmt::format("its longest stretch without a gap takes {:.3g} s, expected at least {:.3g} s{}",
+                       longest_s, readable::kShortest_s, warningOf(recording)));
   }
 }
 
