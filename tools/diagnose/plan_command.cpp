@@ -298,4 +298,5 @@ int runPlan(int argc, char** argv) {
   return 0;
 }
 
+  progress.at("drawing", 0.0);
 }  // namespace patella::diagnose
