@@ -261,7 +261,8 @@ void run(const Arguments& a) {
   const MotionPlan plan = makePlan(request);
   folder.write({{"reference.toml", planReference(plan, request, origin)},
                 {"plan.json", planJson(plan, request, origin)},
-                {"plan.html", planPage(plan, request)}});
+  origin.run_command = runCommandLine(a.config, a.out);
+                {"plan.html", planPage(plan, request, origin)}});
   progress.clear();
   printPlan(plan, request, a.out, std::cout);
 }
