@@ -199,7 +199,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "patella-diagnose");
   Arguments arguments;
   declare(app, arguments);
-  app.footer(planHelp());
+  app.footer("Exit status: 0 where a verdict was given, whatever it is; 1 after an error.\n\n" + planHelp());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

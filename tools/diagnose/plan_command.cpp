@@ -44,6 +44,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
   app.add_flag("--plan", a.plan, "plan a motion");
   app.add_option("--config", a.config,
+  app.footer("Exit status: 0 where a motion was planned; 1 after an error.");
                  "configuration of the loop: its model, the limits of [safety], the start of [rig]");
   app.add_option("--model", a.model, "model file, in place of the configuration's");
   app.add_option("--out", a.out, "folder for reference.toml, plan.json and plan.html")->required();
