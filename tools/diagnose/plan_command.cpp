@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -23,12 +24,14 @@
 #include "tools/diagnose/output/result_folder.hpp"
 #include "tools/diagnose/plan/motion_plan.hpp"
 #include "tools/diagnose/plan/repair.hpp"
-
 #include "tools/options/number_range.hpp"
+
 namespace patella::diagnose {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kPercent = 100.0;
 
 struct Arguments {
   bool plan = false;
@@ -41,10 +44,10 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& a) {
+  app.footer("Exit status: 0 where a motion was planned; 1 after an error.");
   app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
   app.add_flag("--plan", a.plan, "plan a motion");
   app.add_option("--config", a.config,
-  app.footer("Exit status: 0 where a motion was planned; 1 after an error.");
                  "configuration of the loop: its model, the limits of [safety], the start of [rig]");
   app.add_option("--model", a.model, "model file, in place of the configuration's");
   app.add_option("--out", a.out, "folder for reference.toml, plan.json and plan.html")->required();
@@ -108,6 +111,11 @@ void requireCount(const char* option, const std::vector<double>& values, int joi
   }
 }
 
+// The option, or that it stands for the configuration's value.
+std::string nameOf(const char* option, const std::vector<double>& given) {
+  return given.empty() ? fmt::format("{} (as configured)", option) : option;
+}
+
 // What the command line gives in place of the configuration's.
 void setLimits(const Arguments& a, bool configured, PlanRequest& request) {
   struct Given {
@@ -131,6 +139,34 @@ void setLimits(const Arguments& a, bool configured, PlanRequest& request) {
     for (std::size_t j = 0; j < given.values.size(); ++j) {
       requireBound(given.bound, given.values[j], fmt::format("{} of joint {}", given.option, j + 1));
       request.limits.joint[j].*given.limit = given.values[j];
+    }
+  }
+  for (int j = 0; j < request.model.joints(); ++j) {
+    const safety::JointLimits& limit = request.limits.joint[static_cast<std::size_t>(j)];
+    if (!(limit.q_min_rad < limit.q_max_rad)) {
+      throw std::invalid_argument(fmt::format("{} of joint {}: value {}, expected less than {}, {}",
+                                              nameOf("--q-min", a.q_min_rad), j + 1, limit.q_min_rad,
+                                              nameOf("--q-max", a.q_max_rad), limit.q_max_rad));
+    }
+  }
+}
+
+// A start that takes more torque than a plan may ask for leaves no motion at all.
+void requireHold(const Arguments& a, const PlanRequest& request) {
+  const char* const unit = model::isLinear(request.model.mechanism) ? "N" : "N·m";
+  const JointVector rest = JointVector::Zero(request.model.joints());
+  const JointVector hold_Nm = TorqueAlong(request.model).at(request.start_rad, rest, rest, 0.0, true);
+  for (int j = 0; j < request.model.joints(); ++j) {
+    const double limit_Nm = request.limits.joint[static_cast<std::size_t>(j)].torque_Nm;
+    const double needed_Nm = std::abs(hold_Nm[j]) / kTorqueShare;
+    constexpr double kDigits = 100.0;  // of the least limit, which is not rounded down
+    if (limit_Nm < needed_Nm) {
+      throw std::invalid_argument(fmt::format(
+          "{} of joint {}: value {} {}, expected at least {:g} {}: to hold the start at {:.3g} takes "
+          "{:.3g} {}, and a plan may take {:.0f} % of the limit",
+          nameOf("--torque-limit", a.torque_Nm), j + 1, limit_Nm, unit,
+          std::ceil(kDigits * needed_Nm) / kDigits, unit, request.start_rad[j], std::abs(hold_Nm[j]), unit,
+          kPercent * kTorqueShare));
     }
   }
 }
@@ -225,9 +261,11 @@ PlanRequest requestOf(const Arguments& a, PlanOrigin& origin) {
   } else {
     throw std::invalid_argument("--plan: neither --config nor --model, expected one of them");
   }
+  origin.run_command = runCommandLine(a.config, a.out);
   origin.limits = a.config.empty() ? "of the command line" : "of " + a.config.filename().string();
   setLimits(a, !a.config.empty(), request);
   setStart(a, start, request);
+  requireHold(a, request);
   setReach(a, request);
   Unrevealed unrevealed;
   if (!a.from.empty()) {
@@ -260,9 +298,9 @@ void run(const Arguments& a) {
     }
   };
   const MotionPlan plan = makePlan(request);
+  progress.at("drawing", 0.0);
   folder.write({{"reference.toml", planReference(plan, request, origin)},
                 {"plan.json", planJson(plan, request, origin)},
-  origin.run_command = runCommandLine(a.config, a.out);
                 {"plan.html", planPage(plan, request, origin)}});
   progress.clear();
   printPlan(plan, request, a.out, std::cout);
@@ -300,5 +338,4 @@ int runPlan(int argc, char** argv) {
   return 0;
 }
 
-  progress.at("drawing", 0.0);
 }  // namespace patella::diagnose
