@@ -17,6 +17,7 @@
 #include "tools/convert/run_to_bdf.hpp"
 #include "tools/convert/run_to_mcap.hpp"
 #include "tools/convert/run_to_opensim.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace {
 
@@ -128,7 +129,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   auto* dbc = app.add_option("--dbc", arguments.dbc, "bus description")->check(CLI::ExistingFile);
   app.add_option("--out", arguments.out, "file to write")->required();
   auto* rate = app.add_option("--rate", arguments.rate_Hz, "uniform rate in Hz, instead of the map's")
-                   ->check(CLI::Range(1.0, 20000.0));
+                   ->check(patella::options::numberFrom(1.0, 20000.0));
   app.add_option("--rows", arguments.row_message,
                  "with --decode: message whose frames make the rows; the most frequent unless given")
       ->needs(log);

@@ -28,6 +28,7 @@
 #include "tools/diagnose/plan_command.hpp"
 #include "tools/diagnose/regression/excerpts.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace {
@@ -86,7 +87,7 @@ void declare(CLI::App& app, Arguments& a) {
       app.add_option("--holdout", a.holdout, "recordings to judge the result by, in place of a part of DATA");
   app.add_option("--holdout-fraction", a.options.holdout_fraction,
                  "last part of each recording that judges the result")
-      ->check(CLI::Range(0.05, 0.8))
+      ->check(options::numberFrom(0.05, 0.8))
       ->excludes(holdout)
       ->capture_default_str();
   app.add_option("--effects", a.effects, "kinds to consider, separated by commas, or all")->delimiter(',');
@@ -101,10 +102,10 @@ void declare(CLI::App& app, Arguments& a) {
                  "rms of what a person pushes with, N·m, one for each joint, separated by commas; nobody "
                  "pushes unless given")
       ->delimiter(',')
-      ->check(CLI::Range(0.0, kStrongestPerson_Nm));
+      ->check(options::numberFrom(0.0, kStrongestPerson_Nm));
   app.add_option("--nominal-tolerance", a.options.nominal_tolerance,
                  "standard deviation, relative, by which masses, centres of mass and inertias may be wrong")
-      ->check(CLI::Range(1e-4, 1.0))
+      ->check(options::numberFrom(1e-4, 1.0))
       ->capture_default_str();
 }
 
@@ -198,7 +199,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "patella-diagnose");
   Arguments arguments;
   declare(app, arguments);
-  app.footer(planHelp());
+  app.footer("Exit status: 0 where a verdict was given, whatever it is; 1 after an error.\n\n" + planHelp());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

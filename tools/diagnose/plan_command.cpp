@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -23,11 +24,14 @@
 #include "tools/diagnose/output/result_folder.hpp"
 #include "tools/diagnose/plan/motion_plan.hpp"
 #include "tools/diagnose/plan/repair.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kPercent = 100.0;
 
 struct Arguments {
   bool plan = false;
@@ -40,6 +44,7 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& a) {
+  app.footer("Exit status: 0 where a motion was planned; 1 after an error.");
   app.set_version_flag("--version", std::string("patella-diagnose ") + PATELLA_VERSION);
   app.add_flag("--plan", a.plan, "plan a motion");
   app.add_option("--config", a.config,
@@ -55,16 +60,16 @@ void declare(CLI::App& app, Arguments& a) {
          "unless given")
       ->delimiter(',');
   app.add_option("--duration", a.timing.duration_s, "s of motion, the blend included")
-      ->check(CLI::Range(2.0, 600.0))
+      ->check(options::numberFrom(2.0, 600.0))
       ->capture_default_str();
   app.add_option("--blend", a.timing.blend_s, "s in which the motion takes over from the start")
-      ->check(CLI::Range(boundOf("reference.blend_s").minimum, boundOf("reference.blend_s").maximum))
+      ->check(options::numberFrom(boundOf("reference.blend_s").minimum, boundOf("reference.blend_s").maximum))
       ->capture_default_str();
   app.add_option("--harmonics", a.timing.harmonics, "sines of each joint")
       ->check(CLI::Range(1, static_cast<int>(control::MultisineMotion::kMaxComponents)))
       ->capture_default_str();
   app.add_option("--highest", a.timing.highest_Hz, "Hz of the fastest sine")
-      ->check(CLI::Range(0.05, boundOf("reference.joint.frequency_Hz").maximum))
+      ->check(options::numberFrom(0.05, boundOf("reference.joint.frequency_Hz").maximum))
       ->capture_default_str();
   const auto list = [&](const char* name, std::vector<double>& values, const char* what) {
     app.add_option(name, values, what)->delimiter(',');
@@ -84,7 +89,7 @@ void declare(CLI::App& app, Arguments& a) {
       "unless given");
   app.add_option("--nominal-tolerance", a.nominal_tolerance,
                  "standard deviation, relative, by which the model's parameters may be wrong")
-      ->check(CLI::Range(1e-4, 1.0))
+      ->check(options::numberFrom(1e-4, 1.0))
       ->capture_default_str();
   app.add_option("--evaluations", a.design.evaluations, "motions that the search looks at")
       ->check(CLI::Range(100, 1000000))
@@ -104,6 +109,11 @@ void requireCount(const char* option, const std::vector<double>& values, int joi
     throw std::invalid_argument(fmt::format("{}: {} values, expected {}, one for each joint of the model",
                                             option, values.size(), joints));
   }
+}
+
+// The option, or that it stands for the configuration's value.
+std::string nameOf(const char* option, const std::vector<double>& given) {
+  return given.empty() ? fmt::format("{} (as configured)", option) : option;
 }
 
 // What the command line gives in place of the configuration's.
@@ -129,6 +139,34 @@ void setLimits(const Arguments& a, bool configured, PlanRequest& request) {
     for (std::size_t j = 0; j < given.values.size(); ++j) {
       requireBound(given.bound, given.values[j], fmt::format("{} of joint {}", given.option, j + 1));
       request.limits.joint[j].*given.limit = given.values[j];
+    }
+  }
+  for (int j = 0; j < request.model.joints(); ++j) {
+    const safety::JointLimits& limit = request.limits.joint[static_cast<std::size_t>(j)];
+    if (!(limit.q_min_rad < limit.q_max_rad)) {
+      throw std::invalid_argument(fmt::format("{} of joint {}: value {}, expected less than {}, {}",
+                                              nameOf("--q-min", a.q_min_rad), j + 1, limit.q_min_rad,
+                                              nameOf("--q-max", a.q_max_rad), limit.q_max_rad));
+    }
+  }
+}
+
+// A start that takes more torque than a plan may ask for leaves no motion at all.
+void requireHold(const Arguments& a, const PlanRequest& request) {
+  const char* const unit = model::isLinear(request.model.mechanism) ? "N" : "N·m";
+  const JointVector rest = JointVector::Zero(request.model.joints());
+  const JointVector hold_Nm = TorqueAlong(request.model).at(request.start_rad, rest, rest, 0.0, true);
+  for (int j = 0; j < request.model.joints(); ++j) {
+    const double limit_Nm = request.limits.joint[static_cast<std::size_t>(j)].torque_Nm;
+    const double needed_Nm = std::abs(hold_Nm[j]) / kTorqueShare;
+    constexpr double kDigits = 100.0;  // of the least limit, which is not rounded down
+    if (limit_Nm < needed_Nm) {
+      throw std::invalid_argument(fmt::format(
+          "{} of joint {}: value {} {}, expected at least {:g} {}: to hold the start at {:.3g} takes "
+          "{:.3g} {}, and a plan may take {:.0f} % of the limit",
+          nameOf("--torque-limit", a.torque_Nm), j + 1, limit_Nm, unit,
+          std::ceil(kDigits * needed_Nm) / kDigits, unit, request.start_rad[j], std::abs(hold_Nm[j]), unit,
+          kPercent * kTorqueShare));
     }
   }
 }
@@ -223,9 +261,11 @@ PlanRequest requestOf(const Arguments& a, PlanOrigin& origin) {
   } else {
     throw std::invalid_argument("--plan: neither --config nor --model, expected one of them");
   }
+  origin.run_command = runCommandLine(a.config, a.out);
   origin.limits = a.config.empty() ? "of the command line" : "of " + a.config.filename().string();
   setLimits(a, !a.config.empty(), request);
   setStart(a, start, request);
+  requireHold(a, request);
   setReach(a, request);
   Unrevealed unrevealed;
   if (!a.from.empty()) {
@@ -258,9 +298,10 @@ void run(const Arguments& a) {
     }
   };
   const MotionPlan plan = makePlan(request);
+  progress.at("drawing", 0.0);
   folder.write({{"reference.toml", planReference(plan, request, origin)},
                 {"plan.json", planJson(plan, request, origin)},
-                {"plan.html", planPage(plan, request)}});
+                {"plan.html", planPage(plan, request, origin)}});
   progress.clear();
   printPlan(plan, request, a.out, std::cout);
 }

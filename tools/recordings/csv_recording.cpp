@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
-#include "drivers/files/line_reader.hpp"
+#include <fmt/format.h>
+
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "firmware_app/formats/mcap_reader.hpp"
+#include "tools/recordings/column_names.hpp"
 #include "tools/recordings/held_torque.hpp"
 #include "tools/recordings/mcap_table.hpp"
 #include "tools/recordings/number_table.hpp"
@@ -20,21 +23,10 @@ using app::CsvTable;
 using app::FileError;
 
 constexpr const char* kStepsColumn = "encoder_steps";
+constexpr std::string_view kOtherwise = "; otherwise, expected a map of the columns (--columns)";
 
 std::string firstLine(const std::filesystem::path& file) {
-  if (formats::isMcap(file)) {
-    return mcapColumns(file);
-  }
-  constexpr std::size_t kLongestLine = 1'000'000;
-  try {
-    std::string line;
-    files::LineReader(file, kLongestLine).next(line);
-    return line;
-  } catch (const FileError&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    throw FileError(error.what());
-  }
+  return formats::isMcap(file) ? mcapColumns(file) : firstLineOf(file);
 }
 
 std::string numbered(const char* stem, std::size_t index, const char* ending) {
@@ -45,7 +37,7 @@ std::string numbered(const char* stem, std::size_t index, const char* ending) {
 class NamedColumns {
  public:
   explicit NamedColumns(const std::filesystem::path& file)
-      : file_(file), header_(CsvTable::parse(firstLine(file), file.string(), {.minimum_rows = 0}).names()) {}
+      : file_(file), header_(namesIn(firstLine(file), file.string())) {}
 
   bool has(const std::string& column) const {
     return std::find(header_.begin(), header_.end(), column) != header_.end();
@@ -56,15 +48,24 @@ class NamedColumns {
     return found == names.end() ? std::string() : *found;
   }
   void want(const std::string& column) { wanted_.push_back(column); }
-  CsvTable read() const {
+  CsvTable read(std::string_view remedy) {
+    requireColumns(file_.string(), header_, wanted_, {.remedy = remedy});
     const app::CsvOptions options{.columns = wanted_, .allow_missing = true, .allow_cut_off = true};
-    return formats::isMcap(file_) ? loadMcapTable(file_, options) : CsvTable::load(file_, options);
+    if (!formats::isMcap(file_)) {
+      return CsvTable::load(file_, options);
+    }
+    McapTable table = loadMcapTable(file_, options);
+    cut_off_ = table.cut_off;
+    return std::move(table.ticks);
   }
+  /// Whether read() found a file of which the end is missing, beyond its last line.
+  bool cutOff() const noexcept { return cut_off_; }
 
  private:
   std::filesystem::path file_;
   std::vector<std::string> header_;
   std::vector<std::string> wanted_;
+  bool cut_off_ = false;
 };
 
 std::vector<double> copyOf(const CsvTable& table, const std::string& column) {
@@ -99,60 +100,82 @@ void dropIncompleteVelocity(RawRecording& recording) {
   }
 }
 
+/// Which columns of a table are the signals, beyond those that every table has.
+struct SignalColumns {
+  bool has_velocity = true;
+  bool has_activation = false;
+  std::array<std::string, kMaxJoints> commanded;
+  std::array<std::string, kMaxEmgChannels> emg;  ///< raw, or activation
+};
+
+SignalColumns wantSignals(NamedColumns& columns, std::size_t joints) {
+  SignalColumns found;
+  columns.want("t_s");
+  for (std::size_t j = 0; j < joints; ++j) {
+    found.has_velocity = found.has_velocity && columns.has(numbered("dq", j, "_rad_s"));
+  }
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (found.has_velocity) {
+      columns.want(numbered("dq", j, "_rad_s"));
+    }
+    columns.want(numbered("q", j, "_rad"));
+    columns.want(numbered("tau", j, "_Nm"));
+    found.commanded[j] = columns.firstOf({numbered("tau_cmd", j, "_Nm"), numbered("tau", j, "_cmd_Nm")});
+    if (!found.commanded[j].empty()) {
+      columns.want(found.commanded[j]);
+    }
+  }
+  found.has_activation = columns.has("activation1");
+  for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
+    const std::string column =
+        found.has_activation ? numbered("activation", c, "") : numbered("emg", c, "_mV");
+    if (columns.has(column)) {
+      found.emg[c] = column;
+      columns.want(column);
+    }
+  }
+  return found;
+}
+
+/// To be called before rows are left out.
+void noteCut(RawRecording& recording) {
+  recording.cut_off =
+      fmt::format("the file is cut off, and was read up to {:.6g} s", recording.stamp_s.back());
+  recording.warnings.push_back(recording.cut_off);
+}
+
 /// Named signals of a table; `extra` columns are read for the caller.
 CsvTable readSignals(const std::filesystem::path& file, RawRecording& recording,
                      std::initializer_list<const char*> extra) {
   NamedColumns columns(file);
   const auto joints = static_cast<std::size_t>(recording.joints);
   requireJoints(columns, recording.name, recording.joints);
-  std::array<std::string, kMaxJoints> commanded;
-  columns.want("t_s");
-  bool has_velocity = true;
-  for (std::size_t j = 0; j < joints; ++j) {
-    has_velocity = has_velocity && columns.has(numbered("dq", j, "_rad_s"));
-  }
-  for (std::size_t j = 0; j < joints; ++j) {
-    if (has_velocity) {
-      columns.want(numbered("dq", j, "_rad_s"));
-    }
-    columns.want(numbered("q", j, "_rad"));
-    columns.want(numbered("tau", j, "_Nm"));
-    commanded[j] = columns.firstOf({numbered("tau_cmd", j, "_Nm"), numbered("tau", j, "_cmd_Nm")});
-    if (!commanded[j].empty()) {
-      columns.want(commanded[j]);
-    }
-  }
-  const bool has_activation = columns.has("activation1");
-  std::array<std::string, kMaxEmgChannels> emg;
-  for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
-    const std::string column = has_activation ? numbered("activation", c, "") : numbered("emg", c, "_mV");
-    if (columns.has(column)) {
-      emg[c] = column;
-      columns.want(column);
-    }
-  }
+  const SignalColumns found = wantSignals(columns, joints);
   for (const char* column : extra) {
     if (columns.has(column)) {
       columns.want(column);
     }
   }
-  CsvTable table = columns.read();
+  CsvTable table = columns.read(kOtherwise);
   warnOfCutOff(recording.warnings, recording.name, table.cutOffLine());
   recording.stamp_s = table.take("t_s");
+  if (columns.cutOff()) {
+    noteCut(recording);
+  }
   for (std::size_t j = 0; j < joints; ++j) {
     recording.position_rad[j] = table.take(numbered("q", j, "_rad"));
     recording.torque_Nm[j] = table.take(numbered("tau", j, "_Nm"));
-    if (!commanded[j].empty()) {
-      recording.commanded_Nm[j] = table.take(commanded[j]);
+    if (!found.commanded[j].empty()) {
+      recording.commanded_Nm[j] = table.take(found.commanded[j]);
     }
-    if (has_velocity) {
+    if (found.has_velocity) {
       recording.velocity_rad_s[j] = table.take(numbered("dq", j, "_rad_s"));
     }
   }
   dropIncompleteVelocity(recording);
   for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
-    if (!emg[c].empty()) {
-      (has_activation ? recording.activation : recording.emg_mV)[c] = table.take(emg[c]);
+    if (!found.emg[c].empty()) {
+      (found.has_activation ? recording.activation : recording.emg_mV)[c] = table.take(found.emg[c]);
     }
   }
   numberLines(recording);
@@ -166,7 +189,7 @@ void readTruth(const std::filesystem::path& file, RawRecording& recording) {
   for (std::size_t j = 0; j < joints; ++j) {
     columns.want(numbered("f_true", j, "_rad_s2"));
   }
-  CsvTable table = columns.read();
+  CsvTable table = columns.read(", expected those of a simulated rig (rig.publish_truth)");
   for (std::size_t j = 0; j < joints; ++j) {
     std::vector<double> truth = table.take(numbered("f_true", j, "_rad_s2"));
     const auto first = std::find_if(truth.begin(), truth.end(), [](double v) { return std::isfinite(v); });
@@ -248,7 +271,8 @@ RawRecording readLoopTable(const std::filesystem::path& file, int joints, bool s
   }
   if (sampled_rows.size() < 2) {
     throw FileError(name + ": " + std::to_string(sampled_rows.size()) +
-                    " rows with an encoder sample, expected a recorded motion");
+                    " rows with an encoder sample, expected a recorded motion" +
+                    (recording.cut_off.empty() ? "" : "; " + recording.cut_off));
   }
   keepRows(recording, sampled_rows);
   const double start_s = recording.stamp_s.front();

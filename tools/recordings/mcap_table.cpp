@@ -28,7 +28,8 @@ class TickLines {
     if (!decoder_) {
       throw FileError(name_ + ": holds " +
                       (topics_.empty() ? std::string("no channel") : app::quotedList(topics_)) +
-                      ", expected the ticks of a run (" + std::string(formats::kTickTopic) + ")");
+                      ", expected the ticks of a run (" + std::string(formats::kTickTopic) + ")" +
+                      (reader_.cut() ? "; the file is cut off before them" : ""));
     }
   }
 
@@ -50,6 +51,9 @@ class TickLines {
     }
     return false;
   }
+
+  /// Valid when next() has returned false.
+  bool cutOff() const noexcept { return reader_.cut(); }
 
  private:
   void learn() {
@@ -106,17 +110,27 @@ std::string mcapColumns(const std::filesystem::path& file) {
   return TickLines(file).header();
 }
 
-app::CsvTable loadMcapTable(const std::filesystem::path& file, const app::CsvOptions& options) {
+McapTable loadMcapTable(const std::filesystem::path& file, const app::CsvOptions& options) {
   TickLines lines(file);
   std::string text = lines.header();
   bool first = true;
-  return app::CsvTable::read(
+  app::CsvOptions any_number = options;
+  any_number.minimum_rows = 0;
+  McapTable table;
+  table.ticks = app::CsvTable::read(
       [&](std::string_view& line) {
         const bool more = std::exchange(first, false) || lines.next(text);
         line = text;
         return more;
       },
-      std::filesystem::file_size(file), file.string(), options);
+      std::filesystem::file_size(file), file.string(), any_number);
+  table.cut_off = lines.cutOff();
+  if (table.ticks.rows() < options.minimum_rows) {
+    throw FileError(file.string() + ": " + std::to_string(table.ticks.rows()) + " ticks, expected at least " +
+                    std::to_string(options.minimum_rows) +
+                    (table.cut_off ? "; the file is cut off before them" : ""));
+  }
+  return table;
 }
 
 }  // namespace patella::diagnose

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "firmware_app/files/csv_table.hpp"
+#include "tools/recordings/column_names.hpp"
 
 namespace patella::diagnose {
 
@@ -31,6 +32,10 @@ NumberTable readTextTable(const std::filesystem::path& file, const ColumnMap& ma
                       file.string(), column.index, column.name));
     }
     options.columns.push_back(column.name);
+  }
+  if (options.header) {
+    requireColumns(file.string(), namesIn(firstLineOf(file), file.string(), map.delimiter), options.columns,
+                   {.delimiter = map.delimiter});
   }
   app::CsvTable table = app::CsvTable::load(file, options);
   for (const std::string& name : options.columns) {

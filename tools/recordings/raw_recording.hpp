@@ -37,6 +37,8 @@ struct RawRecording {
   std::array<std::vector<double>, kMaxEmgChannels> activation;
   std::array<std::vector<double>, kMaxEmgChannels> emg_mV;  ///< raw; empty where absent
   std::vector<std::string> warnings;
+  /// "the file is cut off, and was read up to 3.2 s"; empty for a whole one. A warning has it, too.
+  std::string cut_off;
 
   std::size_t rows() const noexcept { return stamp_s.empty() ? position_rad[0].size() : stamp_s.size(); }
   /// Calls `visit(name, values)` for every signal that the recording has, in a fixed order.

@@ -6,6 +6,11 @@
 
 namespace patella::diagnose {
 
+/// Rows of a recording in motion, as the diagnosis needs them (readable::kFewestRows): the shortest stretch
+/// at 100 Hz. Of a table of postures at rest.
+inline constexpr std::size_t kFewestRows = 200;
+inline constexpr std::size_t kFewestPostures = 10;
+
 /// Single rows or short bursts that no motion and no drive explains.
 namespace outliers {
 /// A drive's torque rises within a few milliseconds, and a leg takes longer to turn round: what is over in

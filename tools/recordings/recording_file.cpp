@@ -62,6 +62,19 @@ RawRecording readTable(const std::filesystem::path& file, const RecordingOptions
                            : readNamedColumns(file, options.joints);
 }
 
+// Where too little is left of a file, the refusal says that it is not whole.
+Recording uniformOf(RawRecording raw) {
+  const std::string cut_off = raw.cut_off;
+  try {
+    return makeUniform(std::move(raw));
+  } catch (const app::FileError& error) {
+    if (cut_off.empty()) {
+      throw;
+    }
+    throw app::FileError(std::string(error.what()) + "; " + cut_off);
+  }
+}
+
 }  // namespace
 
 Recording loadRecording(const std::filesystem::path& path, const RecordingOptions& options) {
@@ -71,7 +84,7 @@ Recording loadRecording(const std::filesystem::path& path, const RecordingOption
   RawRecording raw = isLog(file) ? readFrames(file, options) : readTable(file, options);
   raw.torque_timing = options.torque_timing.value_or(raw.torque_timing);
   raw.torque_timing_assumed = raw.torque_timing_assumed && !options.torque_timing;
-  Recording recording = makeUniform(std::move(raw));
+  Recording recording = uniformOf(std::move(raw));
   recording.sha256 = std::move(sha256);
   return recording;
 }

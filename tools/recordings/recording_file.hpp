@@ -30,7 +30,7 @@ struct RecordingOptions {
 ///   a log as `candump -l` writes it, by a bus description.
 /// Raw EMG becomes activation by the loop's own chain, scaled to the largest envelope of the recording.
 /// Throws app::FileError, can::LogError or can::DbcError, located in the file, for what cannot be repaired:
-/// missing columns, cells without a number between others that have one, time that runs back, fewer than 100
+/// missing columns, cells without a number between others that have one, time that runs back, fewer than 200
 /// rows, a bus map that does not fit its DBC or the model.
 Recording loadRecording(const std::filesystem::path& path, const RecordingOptions& options);
 

@@ -26,8 +26,6 @@ using app::FileError;
 using convert::Interpolation;
 using convert::TimeBase;
 
-constexpr std::size_t kFewestRows = 100;
-constexpr std::size_t kFewestPostures = 10;
 constexpr double kRoundingOfRate = 0.002;
 /// Share of the rows: with more of them without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tools/options/number_range.hpp"
 #include "tools/train/linear_path.hpp"
 
 namespace patella::train {
@@ -56,12 +57,12 @@ void declareTask(CLI::App& app, Arguments& a) {
          "--smoothing-Hz", a.smoothing_Hz,
          "cutoff of the smoothed target where the observer is no Kalman filter; estimate_cutoff_Hz of the "
          "configuration unless given")
-      ->check(CLI::PositiveNumber);
+      ->check(options::positiveNumber());
   app.add_option("--horizon-ms", a.horizon_ms, "how far the network looks ahead")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(options::numberFrom(0.0, 1000.0))
       ->capture_default_str();
   app.add_option("--rate-Hz", a.rate_Hz, "steps of the network a second, a whole part of the encoder's rate")
-      ->check(CLI::Range(1.0, 20000.0))
+      ->check(options::numberFrom(1.0, 20000.0))
       ->capture_default_str();
 }
 
@@ -72,11 +73,13 @@ void declareSplit(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember(splitNames()))
       ->capture_default_str();
   app.add_option("--validation-share", a.split.validation_share)
-      ->check(CLI::Range(0.0, 0.8))
+      ->check(options::numberFrom(0.0, 0.8))
       ->capture_default_str();
-  app.add_option("--test-share", a.split.test_share)->check(CLI::Range(0.0, 0.8))->capture_default_str();
+  app.add_option("--test-share", a.split.test_share)
+      ->check(options::numberFrom(0.0, 0.8))
+      ->capture_default_str();
   app.add_option("--block-s", a.split.block_s, "length of the blocks of the split of that name")
-      ->check(CLI::Range(0.01, 1e4))
+      ->check(options::numberFrom(0.01, 1e4))
       ->capture_default_str();
   app.add_option("--validation-data", a.validation_data, "recordings in place of a share for validation");
   app.add_option("--test-data", a.test_data, "recordings in place of a share for the test");
@@ -178,7 +181,7 @@ void declareScore(CLI::App& app, Arguments& a) {
   app.add_option("--target", a.target, "what is taken for the truth")
       ->check(CLI::IsMember(targetNames()))
       ->capture_default_str();
-  app.add_option("--smoothing-Hz", a.smoothing_Hz, "as of fit")->check(CLI::PositiveNumber);
+  app.add_option("--smoothing-Hz", a.smoothing_Hz, "as of fit")->check(options::positiveNumber());
 }
 
 void understand(Arguments& a) {

@@ -70,6 +70,7 @@ TEST_CASE("arguments that are missing, unknown or out of range") {
   bench.expectRefused({"--holdout-fraction", "1"}, {"--holdout-fraction", "0.05"});
   bench.expectRefused({"--replicates", "5"}, {"--replicates", "299"});
   bench.expectRefused({"--nominal-tolerance", "0"}, {"--nominal-tolerance"});
+  bench.expectRefused({"--person", "nan"}, {"--person: value 'nan', expected a number from 0 to 500"});
   bench.expectRefused({"--seed", "-1"}, {"--seed"});
   bench.expectRefused({"--torque", "guessed"}, {"--torque", "held", "sampled"});
   bench.expectRefused({"--holdout", bench.file("run.csv"), "--holdout-fraction", "0.2"}, {"excludes"});
@@ -112,7 +113,7 @@ TEST_CASE("a recording that is damaged") {
   }
   SUBCASE("too short") {
     bench.write("run.csv", kneeCsv(0.0, 0.1));
-    bench.expectRefused({}, {"run.csv: 50 complete rows, expected at least 100"});
+    bench.expectRefused({}, {"run.csv: 50 complete rows, expected at least 200"});
   }
   SUBCASE("a folder that is no run") {
     std::filesystem::create_directory(bench.file("folder"));

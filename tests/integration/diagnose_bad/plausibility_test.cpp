@@ -81,6 +81,8 @@ TEST_CASE("signals that are no signals are refused with their place") {
   SUBCASE("stretches that are all too short") {
     recording.segments = {{.first = 0, .end = 900}, {.first = 1000, .end = 2500}};
     CHECK(says(refusal(recording, rig.model()), "takes 1.5 s, expected at least 2 s"));
+    recording.warnings = {"the file is cut off, and was read up to 2.5 s"};
+    CHECK(says(refusal(recording, rig.model()), "expected at least 2 s; the file is cut off"));
   }
   SUBCASE("time that runs back") {
     std::swap(recording.time_s[100], recording.time_s[101]);

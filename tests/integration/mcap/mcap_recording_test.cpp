@@ -71,11 +71,30 @@ TEST_CASE("run.mcap changes nothing else of a recording, and diagnosis and train
   CHECK(part.rows() > table.rows() / 3);
   CHECK(part.rows() < table.rows());
   CHECK(part.position_rad[0].front() == table.position_rad[0].front());
+  REQUIRE(part.warnings.size() == 1);
+  CHECK(part.warnings[0].starts_with("the file is cut off, and was read up to "));
+  CHECK(recorded.warnings.empty());
 
   const convert::RecoveryReport report = convert::recoverMcap(cut, folder / "recovered.mcap");
   CHECK(report.cut);
   CHECK(load(folder / "recovered.mcap").position_rad == part.position_rad);
   CHECK_FALSE(convert::recoverMcap(folder / "recovered.mcap", folder / "again.mcap").cut);
+}
+
+TEST_CASE("a run.mcap of which too little is left is refused as cut off") {
+  const test::ScratchFolder folder;
+  run(folder / "run", true);
+  const std::filesystem::path cut = folder / "cut.mcap";
+  const auto refusal = [&](std::uintmax_t bytes) {
+    std::filesystem::copy_file(folder / "run" / "run.mcap", cut,
+                               std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::resize_file(cut, bytes);
+    return test::messageOf<app::FileError>([&] { load(cut); });
+  };
+  CHECK(
+      refusal(100).ends_with("expected the ticks of a run (/patella/tick); the file is cut off before them"));
+  // Ticks come in chunks of a second.
+  CHECK(refusal(100'000).find("; the file is cut off") != std::string::npos);
 }
 
 TEST_CASE("what cannot be converted is refused by name, and leaves nothing behind") {
@@ -96,7 +115,8 @@ TEST_CASE("what cannot be converted is refused by name, and leaves nothing behin
   CHECK(refusal("").ends_with("is empty, expected the columns of a run"));
 
   app::writeFile(folder / "foreign.mcap", std::string("\x89MCAP0\r\n", 8));
-  CHECK(test::messageOf<app::FileError>([&] {
-          load(folder / "foreign.mcap");
-        }).ends_with("holds no channel, expected the ticks of a run (/patella/tick)"));
+  CHECK(test::messageOf<app::FileError>([&] { load(folder / "foreign.mcap"); })
+            .ends_with(
+                "holds no channel, expected the ticks of a run (/patella/tick); the file is cut off before "
+                "them"));
 }

@@ -44,7 +44,19 @@ TEST_CASE("wrong arguments are refused by name, and leave nothing behind") {
            {with({"--start", "0.3,0.4"}), "--start: 2 values, expected 1"},
            {with({"--start", "0.3"}), "joint 1: the start at 0.3 rad"},
            {with({"--noise", "40"}), "less than its torque limit 30"},
-           {with({"--duration", "2", "--blend", "2"}), "6 harmonics up to 2 Hz in periods of 0 s"},
+           {with({"--duration", "2", "--blend", "2"}),
+            "--duration: value 2 s with --blend 2 s, expected at least 8 s"},
+           {with({"--duration", "2", "--blend", "5"}), "--duration: value 2 s with --blend 5 s, expected"},
+           {with({"--duration", "nan"}), "--duration: value 'nan', expected a number from 2 to 600"},
+           {with({"--start", "nan"}), "joint 1: the start at nan rad"},
+           {{"--model", model, "--q-min", "-0.1", "--q-max", "-0.2", "--velocity", "4", "--torque-limit",
+             "30"},
+            "--q-min of joint 1: value -0.1, expected less than --q-max, -0.2"},
+           {{"--model", model, "--q-min", "-2", "--q-max", "0.2", "--velocity", "4", "--torque-limit", "0.01",
+             "--start", "-1"},
+            "--torque-limit of joint 1: value 0.01 N·m, expected at least 6.63 N·m: to hold the start at -1 "
+            "takes 5.3 N·m"},
+           {with({"--from", model}), "is no JSON: line 1, expected the diagnosis.json of patella-diagnose"},
            {with({"--reach", "-0.1,0.1"}), "--reach: 2 values, expected 4"},
            {with({"--reach", "0.1,0.2,-0.1,0.1"}), "--reach of axis 1"},
            {with({"--torque-limit", "200,3"}), "--torque-limit"},
@@ -72,12 +84,21 @@ TEST_CASE("limits of the command line do without a configuration") {
   CHECK(outcome.exit_status == 0);
   CHECK(outcome.output.find("A motion of 20 s for all base parameters.") == 0);
   CHECK(test::listing(folder.path()).contains("plan/reference.toml"));
+  const std::string page = app::readFile(folder.path() / "plan" / "plan.html", files::kResultFile);
+  for (const char* part :
+       {"A motion of 20 s for all base parameters.", "% of the torque", "0.06 N·m",
+        "patella run --config CONFIG --reference ", "limit -2 rad", "limit 0.2 rad", "limit 30 N·m"}) {
+    CAPTURE(part);
+    CHECK(page.find(part) != std::string::npos);
+  }
 }
 
 TEST_CASE("--help has the options of a plan") {
   const test::Outcome whole = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--help"});
   CHECK(whole.exit_status == 0);
   CHECK(whole.output.find("--torque-limit") != std::string::npos);
+  CHECK(whole.output.find("Exit status: 0 where a verdict was given, whatever it is; 1 after an error.") !=
+        std::string::npos);
   const test::Outcome plan = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--plan", "--help"});
   CHECK(plan.exit_status == 0);
   CHECK(plan.output.find("--torque-limit") != std::string::npos);

@@ -2,6 +2,8 @@
 #include "tools/diagnose/output/answer.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <limits>
 #include <sstream>
 
 #include <doctest/doctest.h>
@@ -54,12 +56,26 @@ TEST_CASE("an answer of a motion that was too poor has the command that plans a 
         std::string::npos);
 }
 
+TEST_CASE("an answer tells what would have shown from what would not") {
+  diagnose::Diagnosis diagnosis = test::madeUpDiagnosis();
+  const double never = std::numeric_limits<double>::infinity();
+  diagnosis.revealed = {{.kind = "coulomb_friction",
+                         .joint = 0,
+                         .parameter = "level_Nm",
+                         .smallest_size = never,
+                         .parameters = {},
+                         .torque_rms_Nm = never}};
+  CHECK(answer(diagnosis).find("  would not show at any size: coulomb friction on joint 1\n") !=
+        std::string::npos);
+  CHECK(answer(diagnosis).find("would have shown") == std::string::npos);
+}
+
 TEST_CASE("without held-out data the error is that of the data") {
   const std::string text = answer(test::madeUpPostures());
   CHECK(text.find("error of joint 1, N·m: 0.1 as given") != std::string::npos);
 }
 
-TEST_CASE("progress is one line for each stage, or one that changes on a terminal") {
+TEST_CASE("progress is one line for each stage and ten seconds, or one that changes on a terminal") {
   std::ostringstream file;
   {
     diagnose::ProgressLine progress(file, false);
@@ -69,6 +85,16 @@ TEST_CASE("progress is one line for each stage, or one that changes on a termina
     progress.at("errors", 0.0);
   }
   CHECK(file.str() == "columns\nsearch\nerrors\n");
+  std::ostringstream slow;
+  {
+    std::chrono::steady_clock::time_point now;
+    diagnose::ProgressLine progress(slow, false, [&] { return now; });
+    for (int second = 0; second < 25; ++second) {
+      progress.at("search", 0.04 * second);
+      now += std::chrono::seconds(1);
+    }
+  }
+  CHECK(slow.str() == "search\nsearch 40 %\nsearch 80 %\n");
   std::ostringstream terminal;
   {
     diagnose::ProgressLine progress(terminal, true);

@@ -27,11 +27,11 @@ TEST_CASE("joints of a motion have harmonics of one period, each once") {
 }
 
 TEST_CASE("a period that is too short for its harmonics is refused") {
-  CHECK_THROWS_WITH_AS(harmonicsOf({.duration_s = 6.0, .blend_s = 2.0, .harmonics = 6, .highest_Hz = 1.0}, 1),
-                       "6 harmonics up to 1 Hz in periods of 2 s, expected periods of 6 s at least, which "
-                       "fit 2 times into the "
-                       "duration without its blend",
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      harmonicsOf({.duration_s = 6.0, .blend_s = 2.0, .harmonics = 6, .highest_Hz = 1.0}, 1),
+      "--duration: value 6 s with --blend 2 s, expected at least 14 s: 2 periods of 6 s after "
+      "the blend, in which --harmonics 6 fit up to --highest 1 Hz",
+      std::invalid_argument);
 }
 
 TEST_CASE("a plan keeps its limits, tells more than the first motion, and is the same for the same seed") {

@@ -53,3 +53,24 @@ TEST_CASE("a plan reads effects and noise of a diagnosis") {
   CHECK_THROWS_AS(readUnrevealed(file, 1), app::FileError);
   CHECK_THROWS_AS(readUnrevealed(folder / "absent.json", 1), app::FileError);
 }
+
+TEST_CASE("a file that is no JSON is refused by its line") {
+  const test::ScratchFolder folder;
+  const std::filesystem::path file = folder / "report.html";
+  const auto refusal = [&](const char* text) {
+    app::writeFile(file, text);
+    const std::string message = test::messageOf<app::FileError>([&] { readUnrevealed(file, 1); });
+    return message.substr(std::min(message.find("report.html"), message.size()));
+  };
+  CHECK(refusal("<html>\n") ==
+        "report.html: is no JSON: line 1, expected the diagnosis.json of patella-diagnose");
+  CHECK(refusal("{\"effects\": [],\n\"rest\" 1}").starts_with("report.html: is no JSON: line 2,"));
+  CHECK(refusal("{\"effects\": 1e999}").starts_with("report.html: is no JSON, expected"));
+  CHECK(refusal("").starts_with("report.html: is no JSON: line 1,"));
+}
+
+TEST_CASE("the command that runs a plan can be typed as it is") {
+  CHECK(runCommandLine("my rig.toml", "out/plan") ==
+        "patella run --config 'my rig.toml' --reference out/plan/reference.toml");
+  CHECK(runCommandLine({}, "plan") == "patella run --config CONFIG --reference plan/reference.toml");
+}

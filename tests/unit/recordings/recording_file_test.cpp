@@ -156,10 +156,12 @@ TEST_CASE("rows without a value go: at the ends silently, between as lost sample
 }
 
 TEST_CASE("what cannot be a recording is refused") {
-  CHECK(refusal(csv(kHeader, 99, [](int i) { return row(0.001 * i, 0.0); })) ==
-        "run.csv: 99 complete rows, expected at least 100");
+  CHECK(refusal(csv(kHeader, 199, [](int i) { return row(0.001 * i, 0.0); })) ==
+        "run.csv: 199 complete rows, expected at least 200");
   CHECK(refusal(csv("t_s,q_rad,tau1_Nm", 300, [](int i) { return row(0.001 * i, 0.0); })) ==
-        "run.csv:1: there is no column 'q1_rad', did you mean 'q_rad'?");
+        "run.csv:1: there is no column 'q1_rad', did you mean 'q_rad'?; the file has 't_s', 'q_rad', "
+        "'tau1_Nm'; otherwise, "
+        "expected a map of the columns (--columns)");
   CHECK(refusal(csv("t_s,q1_rad,q2_rad,tau1_Nm", 300, [](int i) { return row(0.001 * i, 0.0) + ",0"; })) ==
         "run.csv:1: there is a column 'q2_rad', but the model has one joint");
   CHECK(refusal(csv(kHeader, 300, [](int i) { return i == 7 ? "0.007,abc,0" : row(0.001 * i, 0.0); })) ==

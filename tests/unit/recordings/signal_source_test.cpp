@@ -77,7 +77,7 @@ TEST_CASE("a sum that is none is refused") {
   CHECK(refusedTorque("{ sum = [ { column = 'a' } ], constant = 1 }") ==
         "map.toml:6: key 'joint[1].torque.constant': stands beside 'sum', expected one of the two");
   CHECK(refusedTorque("{ sum = [ { column = 'a' }, { column = 'c' } ] }") ==
-        "run.csv:1: there is no column 'c', did you mean 't'?");
+        "run.csv:1: there is no column 'c', did you mean 'b'?; the file has 't', 'q', 'a', 'b'");
   CHECK(refusedTorque("{ sum = [ { column = 'a', scale = 0 } ] }") ==
         "map.toml:6: key 'joint[1].torque.sum[1].scale': value 0, expected a number other than 0");
   CHECK(refusedTorque("{ sum = [ { column = 'a' } ], scale = 2 }")

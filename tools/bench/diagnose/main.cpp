@@ -25,6 +25,7 @@
 #include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/diagnose/diagnose.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace {
 
@@ -257,7 +258,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::Range(kFewestJoints, kMostJoints));
   app.add_option("--motion", options.wish.motion, "multisine, gait or sine");
   app.add_option("--strength", options.wish.strength, "of each effect, instead of 0.5 to 5")
-      ->check(CLI::PositiveNumber);
+      ->check(options::positiveNumber());
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
   app.add_flag("--draw-only", options.draw_only,
                "diagnose nothing; of the suite conventions, judge the columns only");

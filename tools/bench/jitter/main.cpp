@@ -20,6 +20,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/json_file.hpp"
 #include "tools/bench/jitter/output.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/process/process.hpp"
 
 namespace {
@@ -161,7 +162,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--loop", arguments.loop, "the program patella");
   app.add_option("--config", arguments.config, "run configuration of the loop");
   app.add_option("--backend", arguments.backend, "of the loop: sim, or can:INTERFACE");
-  app.add_option("--seconds", arguments.seconds, "of a turn")->check(CLI::Range(0.1, 86400.0));
+  app.add_option("--seconds", arguments.seconds, "of a turn")
+      ->check(patella::options::numberFrom(0.1, 86400.0));
   app.add_option("--rounds", arguments.rounds, "turns of each program")->check(CLI::Range(1, 10000));
   app.add_option("--priority", arguments.priority, "SCHED_FIFO; the configuration must say the same")
       ->check(CLI::Range(1, 99));

@@ -12,6 +12,7 @@
 #include "drivers/clock/clock.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/bench/latency/frame_latency.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace {
 
@@ -87,7 +88,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("source", arguments.source, "can:INTERFACE, or a log")->required();
   app.add_option("--map", arguments.map, "bus map, which names the messages")->check(CLI::ExistingFile);
   app.add_option("--seconds", arguments.seconds, "to watch an interface")
-      ->check(CLI::Range(0.1, 86400.0))
+      ->check(options::numberFrom(0.1, 86400.0))
       ->capture_default_str();
   app.add_option("--csv", arguments.csv, "file for the distribution");
   try {

@@ -14,6 +14,7 @@
 
 #include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/plan/comparison.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace {
 
@@ -83,7 +84,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--seed", options.seed, "of the first machine")->capture_default_str();
   app.add_option("--threads", options.threads, "at once")->check(CLI::Range(1, 256))->capture_default_str();
   app.add_option("--duration", options.compare.duration_s, "s of motion")
-      ->check(CLI::Range(8.0, 120.0))
+      ->check(patella::options::numberFrom(8.0, 120.0))
       ->capture_default_str();
   app.add_option("--evaluations", options.compare.evaluations, "motions that each search looks at")
       ->check(CLI::Range(100, 1000000))
@@ -91,7 +92,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option(
          "--nominal-tolerance", options.compare.nominal_tolerance,
          "relative, by which the model's parameters may be wrong; 1: hardly anything is known of them")
-      ->check(CLI::Range(1e-4, 1.0))
+      ->check(patella::options::numberFrom(1e-4, 1.0))
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {

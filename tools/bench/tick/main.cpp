@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "tools/bench/tick/table.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace {
 
@@ -122,17 +123,17 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::IsMember({"time", "instructions"}))
       ->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "of each workload, in the loop's time")
-      ->check(CLI::Range(1.0, 3600.0))
+      ->check(patella::options::numberFrom(1.0, 3600.0))
       ->capture_default_str();
   app.add_option("--rate", arguments.rate_Hz, "ticks a second")
-      ->check(CLI::Range(100.0, 20000.0))
+      ->check(patella::options::numberFrom(100.0, 20000.0))
       ->capture_default_str();
   app.add_flag("--whole", arguments.whole_only, "leave out how it grows");
   CLI::Option* real_time = app.add_flag("--real-time", arguments.pace.real_time, "ticks when they are due");
   app.add_option("--rates", arguments.rates_Hz,
                  "only whether the loop keeps up at these, of the whole workload")
       ->delimiter(',')
-      ->check(CLI::Range(100.0, 20000.0))
+      ->check(patella::options::numberFrom(100.0, 20000.0))
       ->needs(real_time);
   app.add_option("--rounds", arguments.rounds, "with --rates: runs at each")
       ->check(CLI::Range(1, 1000))

@@ -9,9 +9,13 @@
 #include "tools/diagnose/checks/convention_search.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/recordings/reading_limits.hpp"
 
 namespace patella::diagnose {
 namespace {
+
+// What a file may hold is refused once, as it is read.
+static_assert(readable::kFewestRows == kFewestRows && readable::kFewestPostures == kFewestPostures);
 
 [[noreturn]] void refuse(const Recording& recording, const std::string& reason) {
   throw std::invalid_argument(recording.name + ": " + reason);
@@ -52,6 +56,11 @@ void requireSegments(const Recording& recording) {
   }
 }
 
+// What was lost as the file was read may be why it is too short, and no report will tell it.
+std::string warningOf(const Recording& recording) {
+  return recording.warnings.empty() ? "" : "; " + recording.warnings.front();
+}
+
 void requireLength(const Recording& recording) {
   if (recording.is_static) {
     if (recording.rows() < readable::kFewestPostures) {
@@ -64,7 +73,8 @@ void requireLength(const Recording& recording) {
     refuse(recording, fmt::format("rate {} Hz, expected a positive one", recording.rate_Hz));
   }
   if (recording.rows() < readable::kFewestRows) {
-    refuse(recording, fmt::format("{} rows, expected at least {}", recording.rows(), readable::kFewestRows));
+    refuse(recording, fmt::format("{} rows, expected at least {}{}", recording.rows(), readable::kFewestRows,
+                                  warningOf(recording)));
   }
   double longest_s = 0.0;
   for (const Segment& segment : recording.segments) {
@@ -72,8 +82,8 @@ void requireLength(const Recording& recording) {
   }
   if (longest_s < readable::kShortest_s) {
     refuse(recording,
-           fmt::format("its longest stretch without a gap takes {:.3g} s, expected at least {:.3g} s",
-                       longest_s, readable::kShortest_s));
+           fmt::format("its longest stretch without a gap takes {:.3g} s, expected at least {:.3g} s{}",
+                       longest_s, readable::kShortest_s, warningOf(recording)));
   }
 }
 

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kShownEffects = 4;
 constexpr std::size_t kShownRunaways = 4;
+constexpr std::chrono::seconds kSilence{10};
 
 std::string effectLine(const EffectFinding& effect, const Units& units) {
   std::string line = "  " + effectWords(effect);
@@ -99,8 +100,12 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
   for (const std::string& line : refusedLines(diagnosis)) {
     out << line << "\n";
   }
-  if (const std::string revealed = revealedWords(diagnosis); !revealed.empty()) {
-    out << "  would have shown: " << revealed << "\n";
+  const RevealedWords revealed = revealedWords(diagnosis);
+  for (const auto& [words, effects] : {std::pair("would have shown", revealed.shown),
+                                       std::pair("would not show at any size", revealed.hidden)}) {
+    if (!effects.empty()) {
+      out << "  " << words << ": " << effects << "\n";
+    }
   }
   if (!diagnosis.plan_command.empty()) {
     out << "  a motion that would tell, within the limits of the loop's configuration CONFIG:\n    "
@@ -129,15 +134,17 @@ void ProgressLine::at(std::string_view stage, double fraction) {
   constexpr double kPercent = 100.0;
   const int percent = static_cast<int>(std::lround(kPercent * std::clamp(fraction, 0.0, 1.0)));
   const bool new_stage = stage != stage_;
-  if (!new_stage && (!terminal_ || percent == percent_)) {
+  const auto now = now_();
+  if (!new_stage && (terminal_ ? percent == percent_ : now - said_ < kSilence)) {
     return;
   }
   stage_ = stage;
   percent_ = percent;
+  said_ = now;
   if (terminal_) {
     out_ << fmt::format("\r\033[K{} {} %", stage_, percent_) << std::flush;
   } else {
-    out_ << stage_ << "\n" << std::flush;
+    out_ << stage_ << (new_stage ? "" : fmt::format(" {} %", percent_)) << "\n" << std::flush;
   }
 }
 

@@ -157,24 +157,25 @@ std::string planJson(const MotionPlan& plan, const PlanRequest& request, const P
   return out.dump(2) + "\n";
 }
 
+PlanWords planWords(const MotionPlan& plan, const PlanRequest& request) {
+  std::vector<std::string> noise;
+  for (const NoiseOfJoint& joint : request.noise) {
+    noise.push_back(fmt::format("{:.2g}", std::hypot(joint.noise_Nm, joint.structure_Nm)));
+  }
+  const LimitUse& use = plan.motion.use;
+  return {.motion = fmt::format("A motion of {} s for {}.", app::formatNumber(request.timing.duration_s),
+                                askedFor(plan, request)),
+          .use = fmt::format("{:.0f} % of the range, {:.0f} % of the speed and {:.0f} % of the torque",
+                             kPercent * use.position, kPercent * use.speed, kPercent * use.torque),
+          .noise = fmt::format("{} {}", fmt::join(noise, " and "), unitsOf(request).torque)};
+}
+
 void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::filesystem::path& folder,
                std::ostream& out) {
-  out << fmt::format(
-      "A motion of {} s for {}.\n"
-      "  it takes {:.0f} % of the range, {:.0f} % of the speed and {:.0f} % of the torque that a plan may "
-      "take\n"
-      "  four in five recordings of it would reveal, against noise of {} {}:\n",
-      app::formatNumber(request.timing.duration_s), askedFor(plan, request),
-      kPercent * plan.motion.use.position, kPercent * plan.motion.use.speed,
-      kPercent * plan.motion.use.torque,
-      [&] {
-        std::vector<std::string> noise;
-        for (const NoiseOfJoint& joint : request.noise) {
-          noise.push_back(fmt::format("{:.2g}", std::hypot(joint.noise_Nm, joint.structure_Nm)));
-        }
-        return fmt::format("{}", fmt::join(noise, " and "));
-      }(),
-      unitsOf(request).torque);
+  const PlanWords words = planWords(plan, request);
+  out << words.motion << "\n  it takes " << words.use
+      << " that a plan may take\n  four in five recordings of it would reveal, against noise of "
+      << words.noise << ":\n";
   out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", "effect", "joint", "from", "of torque");
   printSizes(plan.revealed, unitsOf(request), out);
   if (!plan.others.empty()) {

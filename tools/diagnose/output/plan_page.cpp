@@ -17,19 +17,30 @@ using report::Figure;
 
 /// Instants of a curve: more than a picture has columns.
 constexpr Eigen::Index kMostPoints = 1500;
+constexpr double kPercent = 100.0;
 
 struct Quantity {
   const char* title;
-  const char* label;
+  const char* unit;
   const Eigen::MatrixXd& values;
   double low, high;
 };
+
+// A curve of its own, so that the axis has room for it however far away it is.
+report::Series limitAt(double limit, const char* unit, double end_s) {
+  return {.label = fmt::format("limit {} {}", shortNumber(limit), unit),
+          .colour = report::colour::kAlarm,
+          .x = {0.0, end_s},
+          .y = {limit, limit},
+          .width = 1.0,
+          .dashed = true};
+}
 
 Figure figureOf(const Quantity& quantity, int joint, double step_s) {
   Figure figure;
   figure.section = fmt::format("Joint {}", joint + 1);
   figure.title = fmt::format("Joint {}: {}", joint + 1, quantity.title);
-  figure.y_label = quantity.label;
+  figure.y_label = quantity.unit;
   figure.zoom = true;
   report::Series series{.label = "reference", .colour = report::colour::kBlue, .x = {}, .y = {}};
   const Eigen::Index every = std::max<Eigen::Index>(1, quantity.values.rows() / kMostPoints);
@@ -37,19 +48,12 @@ Figure figureOf(const Quantity& quantity, int joint, double step_s) {
     series.x.push_back(static_cast<double>(i) * step_s);
     series.y.push_back(quantity.values(i, joint));
   }
+  const double end_s = series.x.back();
+  figure.x_range = {0.0, end_s};
   figure.series.push_back(std::move(series));
-  // A limit that the motion stays far away from is said, as it would press the curve flat.
-  constexpr double kNear = 0.25;
-  const double lowest = quantity.values.col(joint).minCoeff(),
-               highest = quantity.values.col(joint).maxCoeff();
-  const double near = kNear * (highest - lowest);
-  for (const auto& [limit, away] :
-       {std::pair(quantity.low, lowest - quantity.low), std::pair(quantity.high, quantity.high - highest)}) {
-    if (away < near) {
-      figure.levels.push_back({.value = limit, .label = "limit"});
-    }
+  for (const double limit : {quantity.low, quantity.high}) {
+    figure.series.push_back(limitAt(limit, quantity.unit, end_s));
   }
-  figure.title += fmt::format(", allowed {} to {}", shortNumber(quantity.low), shortNumber(quantity.high));
   return figure;
 }
 
@@ -66,9 +70,23 @@ Eigen::MatrixXd torqueOf(const MotionPlan& plan, const PlanRequest& request) {
   return torque_Nm;
 }
 
+std::string summary(const MotionPlan& plan, const PlanRequest& request, const PlanOrigin& origin) {
+  const PlanWords words = planWords(plan, request);
+  report::Table table{.title = {}, .header = {"what", "value"}, .rows = {}, .words = true};
+  table.rows = {
+      {"takes", words.use + " that a plan may take"},
+      {"a plan may take",
+       fmt::format("{:.0f} % of the torque and {:.0f} % of the speed of the limits {}, and the range "
+                   "less its margins",
+                   kPercent * kTorqueShare, kPercent * kSpeedShare, origin.limits)},
+      {"against noise of", words.noise}};
+  return "<p>" + report::escaped(words.motion) + "</p>\n" + report::tableText(table) +
+         "<p>Run it:</p>\n<pre>" + report::escaped(origin.run_command) + "</pre>\n";
+}
+
 }  // namespace
 
-std::string planPage(const MotionPlan& plan, const PlanRequest& request) {
+std::string planPage(const MotionPlan& plan, const PlanRequest& request, const PlanOrigin& origin) {
   const bool linear = model::isLinear(request.model.mechanism);
   const SampledMotion& motion = plan.motion.sampled;
   const Eigen::MatrixXd torque_Nm = torqueOf(plan, request);
@@ -94,8 +112,8 @@ std::string planPage(const MotionPlan& plan, const PlanRequest& request) {
     figures.push_back(std::move(figure));
   }
   const std::vector<std::string> pictures = report::drawSvg(figures);
-  return report::pageAround("Planned motion",
-                            "<h1>Planned motion</h1>\n" + report::figureSections(figures, pictures));
+  return report::pageAround("Planned motion", "<h1>Planned motion</h1>\n" + summary(plan, request, origin) +
+                                                  report::figureSections(figures, pictures));
 }
 
 }  // namespace patella::diagnose

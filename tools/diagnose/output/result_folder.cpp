@@ -1,7 +1,10 @@
 #include "tools/diagnose/output/result_folder.hpp"
 
+#include <cerrno>
 #include <memory>
 #include <system_error>
+
+#include <unistd.h>
 
 #include "firmware_app/files/atomic_file.hpp"
 
@@ -10,26 +13,40 @@ namespace patella::diagnose {
 namespace fs = std::filesystem;
 
 ResultFolder::ResultFolder(const fs::path& path) : path_(path) {
-  for (fs::path missing = fs::absolute(path).lexically_normal(); !fs::exists(missing);
-       missing = missing.parent_path()) {
-    made_.push_back(missing);
+  const fs::path wanted = fs::absolute(path).lexically_normal();
+  fs::path there = wanted;
+  for (; !fs::exists(there) && there.has_relative_path(); there = there.parent_path()) {
+    missing_.push_back(there);
   }
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error || !fs::is_directory(path)) {
-    throw app::FileError(path.string() +
-                         ": cannot be a folder for results: " + (error ? error.message() : "it is a file"));
+  if (!fs::is_directory(there)) {
+    throw refusal(there == wanted ? "it is a file" : there.string() + " is a file");
+  }
+  if (access(there.c_str(), W_OK | X_OK) != 0) {
+    throw refusal(there.string() + ": " + std::generic_category().message(errno));
   }
 }
 
 ResultFolder::~ResultFolder() {
-  for (const fs::path& folder : made_) {
+  if (!made_) {
+    return;
+  }
+  for (const fs::path& folder : missing_) {
     std::error_code ignored;
     fs::remove(folder, ignored);
   }
 }
 
+app::FileError ResultFolder::refusal(const std::string& reason) const {
+  return app::FileError(path_.string() + ": cannot be a folder for results: " + reason);
+}
+
 void ResultFolder::write(const std::vector<std::pair<const char*, std::string>>& files) {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  if (error) {
+    throw refusal(error.message());
+  }
+  made_ = true;
   std::vector<std::unique_ptr<app::AtomicFile>> open;
   for (const auto& [name, text] : files) {
     open.push_back(std::make_unique<app::AtomicFile>(path_ / name));
@@ -38,7 +55,7 @@ void ResultFolder::write(const std::vector<std::pair<const char*, std::string>>&
   for (const auto& file : open) {
     file->commit();
   }
-  made_.clear();
+  made_ = false;
 }
 
 }  // namespace patella::diagnose

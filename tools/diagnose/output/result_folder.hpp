@@ -6,23 +6,28 @@
 #include <utility>
 #include <vector>
 
+#include "firmware_app/files/file_error.hpp"
+
 namespace patella::diagnose {
 
-/// A folder for results, made if need be, and taken away again if they do not come.
+/// A folder for results, made if need be once they are there.
 class ResultFolder {
  public:
-  /// Throws app::FileError where it cannot be one.
+  /// Throws app::FileError where it could not be one.
   explicit ResultFolder(const std::filesystem::path& path);
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Writes all files or none that is incomplete.
+  /// Writes all files or none that is incomplete. The folder does not stay where that fails.
   void write(const std::vector<std::pair<const char*, std::string>>& files);
 
  private:
+  app::FileError refusal(const std::string& reason) const;
+
   std::filesystem::path path_;
-  std::vector<std::filesystem::path> made_;  ///< innermost first
+  std::vector<std::filesystem::path> missing_;  ///< at first; innermost first
+  bool made_ = false;                           ///< the missing ones, for files that are not all there
 };
 
 }  // namespace patella::diagnose

@@ -36,11 +36,12 @@ std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joint
   const double period_s = (timing.duration_s - timing.blend_s) / kPeriods;
   const auto highest = static_cast<int>(std::floor(timing.highest_Hz * period_s + kNothing));
   if (highest < timing.harmonics) {
+    const double least_s = timing.harmonics / timing.highest_Hz;
     throw std::invalid_argument(fmt::format(
-        "{} harmonics up to {} Hz in periods of {:.4g} s, expected periods of {:.4g} s at least, which fit "
-        "{} times "
-        "into the duration without its blend",
-        timing.harmonics, timing.highest_Hz, period_s, timing.harmonics / timing.highest_Hz, kPeriods));
+        "--duration: value {} s with --blend {} s, expected at least {:.4g} s: {} periods of {:.4g} s after "
+        "the blend, in which --harmonics {} fit up to --highest {} Hz",
+        timing.duration_s, timing.blend_s, timing.blend_s + kPeriods * least_s, kPeriods, least_s,
+        timing.harmonics, timing.highest_Hz));
   }
   const double steps = std::max(1.0, static_cast<double>(timing.harmonics * joints - 1));
   std::vector<std::vector<double>> all;
@@ -72,7 +73,7 @@ MotionFamily::MotionFamily(const PlanTiming& timing, std::vector<std::vector<dou
       samples_(static_cast<Eigen::Index>(std::floor(timing.duration_s / kStep_s)) + 1) {
   for (int j = 0; j < joints(); ++j) {
     const UsableRange& limit = limits_[static_cast<std::size_t>(j)];
-    if (start_rad_[j] < limit.lowest_rad || start_rad_[j] > limit.highest_rad) {
+    if (!(start_rad_[j] >= limit.lowest_rad && start_rad_[j] <= limit.highest_rad)) {
       throw std::invalid_argument(fmt::format(
           "joint {}: the start at {:.4g} rad, expected {:.4g} to {:.4g} rad, the range less its margins",
           j + 1, start_rad_[j], limit.lowest_rad, limit.highest_rad));

@@ -1,13 +1,15 @@
 #include "tools/diagnose/plan/repair.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
+#include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/file_error.hpp"
-#include "firmware_app/files/json_file.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -44,6 +46,21 @@ bool canBeShown(const std::string& label) {
 
 bool isPayload(const std::string& label) {
   return kindOf(label) == "payload";
+}
+
+nlohmann::json loadDiagnosis(const std::filesystem::path& path) {
+  const std::string text = app::readFile(path, files::kResultFile);
+  std::string where;
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+    where = fmt::format(": line {}", 1 + std::count(text.begin(), end, '\n'));
+  } catch (const nlohmann::json::exception&) {
+    // A number beyond all bounds, of which it does not say where it stands.
+  }
+  throw app::FileError(path.string() + ": is no JSON" + where +
+                       ", expected the diagnosis.json of patella-diagnose");
 }
 
 }  // namespace
@@ -108,8 +125,14 @@ std::string planCommandLine(const Diagnosis& diagnosis, const std::filesystem::p
                      quoted((out / "plan").string()));
 }
 
+std::string runCommandLine(const std::filesystem::path& config, const std::filesystem::path& plan) {
+  return fmt::format("patella run --config {} --reference {}",
+                     config.empty() ? "CONFIG" : quoted(config.string()),
+                     quoted((plan / "reference.toml").string()));
+}
+
 Unrevealed readUnrevealed(const std::filesystem::path& diagnosis_json, int joints) {
-  const nlohmann::json json = app::loadJson(diagnosis_json);
+  const nlohmann::json json = loadDiagnosis(diagnosis_json);
   const auto expected = [&](const char* what) {
     return app::FileError(diagnosis_json.string() + ": " + what + ", as patella-diagnose writes it");
   };

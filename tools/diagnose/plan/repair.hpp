@@ -25,6 +25,9 @@ std::vector<std::string> effectsToShow(const std::vector<std::string>& found,
 std::string planCommandLine(const Diagnosis& diagnosis, const std::filesystem::path& model,
                             const std::filesystem::path& out);
 
+/// The command line that runs the motion of a plan in the folder `plan`.
+std::string runCommandLine(const std::filesystem::path& config, const std::filesystem::path& plan);
+
 /// What a plan takes from a diagnosis.json.
 struct Unrevealed {
   std::vector<std::string> effects;

@@ -221,8 +221,8 @@ std::string sizeWords(const Revealed& revealed, const Units& units) {
   return words;
 }
 
-std::string revealedWords(const Diagnosis& diagnosis) {
-  std::string shown, hidden;
+RevealedWords revealedWords(const Diagnosis& diagnosis) {
+  RevealedWords words;
   std::size_t told = 0;
   for (const Revealed& revealed : diagnosis.revealed) {
     if (told++ == kTold || !isCommon(revealed)) {
@@ -230,13 +230,13 @@ std::string revealedWords(const Diagnosis& diagnosis) {
     }
     const std::string name = effectWords(fmt::format("{}@{}", revealed.kind, revealed.joint + 1));
     if (std::isfinite(revealed.torque_rms_Nm)) {
-      shown += fmt::format("{}{} from {}", shown.empty() ? "" : ", ", name,
-                           sizeWords(revealed, unitsOf(diagnosis, revealed.joint)));
+      words.shown += fmt::format("{}{} from {}", words.shown.empty() ? "" : ", ", name,
+                                 sizeWords(revealed, unitsOf(diagnosis, revealed.joint)));
     } else {
-      hidden += (hidden.empty() ? "at no size " : ", ") + name;
+      words.hidden += (words.hidden.empty() ? "" : ", ") + name;
     }
   }
-  return shown + (shown.empty() || hidden.empty() ? "" : "; ") + hidden;
+  return words;
 }
 
 }  // namespace patella::diagnose

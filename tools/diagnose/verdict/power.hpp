@@ -49,8 +49,11 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
 /// "0.05 N·m", "2 kg at 0.3 m", "1.2 N·m rms" where the torque does not grow with one number, or "never".
 std::string sizeWords(const Revealed& revealed, const Units& units);
 
-/// "coulomb friction on joint 1 from 0.05 N·m, …; at no size payload on joint 2": the plain effects whose
-/// smallest torque is largest against their joint's; empty where nothing is known.
-std::string revealedWords(const Diagnosis& diagnosis);
+/// The plain effects whose smallest torque is largest against their joint's; empty where nothing is known.
+struct RevealedWords {
+  std::string shown;   ///< "coulomb friction on joint 1 from 0.05 N·m, …"
+  std::string hidden;  ///< "payload on joint 2, …": would not show at any size
+};
+RevealedWords revealedWords(const Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose

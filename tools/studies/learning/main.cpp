@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/model_file.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/recordings/recording_file.hpp"
 #include "tools/studies/learning/leg_study.hpp"
 #include "tools/studies/learning/pendulum_study.hpp"
@@ -72,7 +73,7 @@ void declare(CLI::App& app, LegArguments& a) {
       ->capture_default_str();
   app.add_option("--test-runs", o.test_runs)->check(CLI::Range(1, 500))->capture_default_str();
   app.add_option("--seconds", o.seconds, "length of a run")
-      ->check(CLI::Range(4.0, 600.0))
+      ->check(patella::options::numberFrom(4.0, 600.0))
       ->capture_default_str();
   app.add_option("--rate-Hz", o.rate_Hz, "of the network")->capture_default_str();
   declareTraining(app, o.training);

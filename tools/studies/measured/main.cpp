@@ -10,6 +10,7 @@
 
 #include "firmware_app/files/model_file.hpp"
 #include "tools/diagnose/checks/drive_timing.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/recordings/recording_file.hpp"
 #include "tools/studies/measured/emps_error.hpp"
 
@@ -87,7 +88,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   errors.add_option("--models", arguments.models, "model files")->required()->check(CLI::ExistingFile);
   errors
       .add_option("--holdout-fraction", arguments.holdout_fraction, "last part of the recording, told apart")
-      ->check(CLI::Range(0.05, 0.8))
+      ->check(options::numberFrom(0.05, 0.8))
       ->capture_default_str();
   errors
       .add_option(

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/options/number_range.hpp"
 #include "tools/studies/observers/study.hpp"
 
 namespace {
@@ -38,7 +39,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::IsMember({"velocity", "both_states", "encoder_only"}));
   app.add_option("--seconds", options.seconds, "length of each recording, s")
       ->capture_default_str()
-      ->check(CLI::Range(4.0, 1000.0));
+      ->check(patella::options::numberFrom(4.0, 1000.0));
   app.add_option("--seeds", options.seeds, "measured on, from 1")
       ->capture_default_str()
       ->check(CLI::Range(1, 100));

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/studies/paper/paper_figures.hpp"
 #include "tools/studies/paper/paper_study.hpp"
 #include "tools/studies/paper/paper_tables.hpp"
@@ -64,7 +65,7 @@ void declareStudy(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1, 20))
       ->capture_default_str();
   app.add_option("--seconds", o.seconds, "length of a recording")
-      ->check(CLI::Range(20.0, 600.0))
+      ->check(patella::options::numberFrom(20.0, 600.0))
       ->capture_default_str();
   app.add_option("--rate-Hz", o.rate_Hz, "of the network, a whole part of 1000")
       ->check([](const std::string& text) {

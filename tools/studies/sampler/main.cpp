@@ -19,6 +19,7 @@
 #include "core/model/presets.hpp"
 #include "core/signal/butterworth.hpp"
 #include "sim/paper_experiment.hpp"
+#include "tools/options/number_range.hpp"
 
 namespace {
 
@@ -190,7 +191,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   CLI::App app{"Accuracy of the finite-time sampler in the paper's experiments"};
   app.add_option("--seconds", options.seconds, "length of each experiment, s")
       ->capture_default_str()
-      ->check(CLI::Range(2.0, 1000.0));
+      ->check(patella::options::numberFrom(2.0, 1000.0));
   app.add_option("--seed", options.seed, "of torque and noise")->capture_default_str();
   app.add_option("--out", options.out, "write the tables to this file (Markdown) instead of the terminal");
   try {
