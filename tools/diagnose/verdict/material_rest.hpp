@@ -10,7 +10,8 @@ namespace patella::diagnose {
 
 /// A noise model takes up whatever is slow or periodic; sensors make noise of a size of their own. Writes
 /// each joint's rest into the diagnosis, and a doubt where more than unknown::kRestOfNothing of a torque is
-/// left beyond noise, another one where more than unknown::kMaterialRest is. `person`: her pushes were declared and count as noise.
+/// left beyond noise, another one where more than unknown::kMaterialRest is. `person`: her pushes were
+/// declared and count as noise.
 void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose
