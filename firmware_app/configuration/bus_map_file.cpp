@@ -250,8 +250,12 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   const TomlTable& root = document.root();
   BusAssignment assignment(buses);
   BusDescription bus;
-  bus.dbc_path = root.path("dbc");
-  bus.dbc_path = dbc.value_or(bus.dbc_path);
+  if (dbc) {
+    root.string("dbc");  // a recording holds both files, and not where they were
+    bus.dbc_path = *dbc;
+  } else {
+    bus.dbc_path = root.path("dbc");
+  }
   const TomlTable checks = root.optionalTable("checks");
   readTiming(checks, rehearsal, bus.map);
   readPositions(checks, bus.map);

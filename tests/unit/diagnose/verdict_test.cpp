@@ -112,7 +112,7 @@ TEST_CASE("nothing missing says what is left where sensors do not make it, and n
   settle(diagnosis);
   CHECK(diagnosis.verdict == Verdict::kNothingMissing);
   CHECK(diagnosis.explanation ==
-        "After the nominal parameters were refitted, nothing that was looked for explains more. 0.38 N·m are "
+        "After the nominal parameters were refitted, nothing that was looked for explains more. 0.23 N·m are "
         "left on "
         "joint 2, 4.5 % of its torque; sensors make 0.014 N·m. That is a push that was not declared "
         "(--person), or "

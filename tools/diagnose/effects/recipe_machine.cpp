@@ -142,7 +142,7 @@ Recipe backlash(const Motion& motion) {
         .set("damping_Nms_rad", 2.0 * kDampingRatio * rotor * kContact_rad_s);
   };
   recipe.by_factors = true;
-  recipe.assumed = {"stiffness_Nm_rad", "damping_Nms_rad", "rotor_inertia_kg_m2"};
+  recipe.assumed = {"stiffness_Nm_rad", "damping_Nms_rad"};
   return recipe;
 }
 
