@@ -295,13 +295,15 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   }
   if (config.backend.kind != BackendKind::kReplay) {
     requireStable(config);  // a log moves nothing
-    requireWithinLimits(config);
   }
   warnOfWeights(config);
   const SignalStack signal_stack;
   const SignalStack::InUse in_use(signal_stack);
   const auto clock = makeClock(config);
   const auto tick = makeTick(config);
+  if (config.backend.kind != BackendKind::kReplay) {
+    requireWithinLimits(config);
+  }
   can::MeasurementDecoder decoder = makeDecoder(config);
   can::CommandEncoder encoder = makeEncoder(config);
   const BusBackend backend = makeBus(config, encoder, *clock);

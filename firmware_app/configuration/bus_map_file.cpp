@@ -254,7 +254,7 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
     root.string("dbc");  // a recording holds both files, and not where they were
     bus.dbc_path = *dbc;
   } else {
-    bus.dbc_path = root.path("dbc");
+    bus.dbc_path = root.existing("dbc");
   }
   const TomlTable checks = root.optionalTable("checks");
   readTiming(checks, rehearsal, bus.map);

@@ -98,7 +98,7 @@ void readBusTables(const TomlTable& root, RunConfig& config) {
   } catch (const std::invalid_argument& error) {
     throw table.error("backend", error.what());
   }
-  config.bus_map_path = table.path(several ? "bus_map" : "map");
+  config.bus_map_path = table.existing(several ? "bus_map" : "map");
 }
 
 void placeBuses(RunConfig& config) {

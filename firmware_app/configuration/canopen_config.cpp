@@ -60,7 +60,7 @@ canopen::DriveSettings readDrive(const TomlTable& table) {
 }
 
 void readSheet(const TomlTable& table, canopen::DriveSettings& drive, BusDescription& bus) {
-  const std::filesystem::path path = table.path("eds");
+  const std::filesystem::path path = table.existing("eds");
   const canopen::DataSheet sheet = canopen::loadDataSheet(path, drive.node);
   canopen::requireTorqueDrive(sheet);
   drive.vendor = sheet.vendor;

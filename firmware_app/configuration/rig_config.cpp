@@ -148,7 +148,7 @@ void readRigModel(const TomlTable& table, const std::optional<std::filesystem::p
     table.string("model", "");
     config.rig_model_path = *model;
   } else if (table.has("model")) {
-    config.rig_model_path = table.path("model");
+    config.rig_model_path = table.existing("model");
   }
   if (!model && !table.has("model")) {
     return;

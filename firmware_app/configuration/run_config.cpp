@@ -140,7 +140,7 @@ std::filesystem::path input(const TomlTable& root, const char* key,
     root.string(key, "");
     return *instead;
   }
-  return root.path(key);
+  return root.existing(key);
 }
 
 // A constructor refuses values of the configuration: its errors name the file.

@@ -89,7 +89,7 @@ std::vector<ChainLink> readLinks(const TomlTable& chain, const std::string& link
     if (chain.has("link")) {
       throw chain.error("link", "stands beside 'urdf', which has the links; expected one of the two");
     }
-    return loadUrdfChain(chain.path("urdf"), chain.string("base"), chain.string("tip"));
+    return loadUrdfChain(chain.existing("urdf"), chain.string("base"), chain.string("tip"));
   }
   std::vector<ChainLink> links;
   for (const TomlTable& table : chain.tables("link")) {

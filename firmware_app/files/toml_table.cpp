@@ -259,8 +259,11 @@ std::vector<std::string> TomlTable::strings(std::string_view key, CountRange cou
 }
 
 std::filesystem::path TomlTable::path(std::string_view key) const {
-  const std::filesystem::path found =
-      (std::filesystem::path(state_->file).parent_path() / string(key)).lexically_normal();
+  return (std::filesystem::path(state_->file).parent_path() / string(key)).lexically_normal();
+}
+
+std::filesystem::path TomlTable::existing(std::string_view key) const {
+  const std::filesystem::path found = path(key);
   std::error_code ignored;
   if (!std::filesystem::exists(found, ignored)) {
     throw error(key, "there is no file " + found.string() + ", expected a path from the folder of this file");

@@ -78,8 +78,10 @@ class TomlTable {
   std::vector<std::string> strings(std::string_view key, CountRange count) const;
   std::vector<std::string> strings(std::string_view key, CountRange count,
                                    std::span<const std::string> fallback) const;
-  /// Path named by the key, relative ones taken from the folder of the file that names them. It exists.
+  /// Path named by the key, relative ones taken from the folder of the file that names them.
   std::filesystem::path path(std::string_view key) const;
+  /// The same of what is there; throws where it is not.
+  std::filesystem::path existing(std::string_view key) const;
 
   /// Sub-table, required.
   TomlTable table(std::string_view key) const;

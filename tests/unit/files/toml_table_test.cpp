@@ -155,7 +155,8 @@ TEST_CASE("files are loaded, and paths in them are relative to them") {
   const TomlDocument document = TomlDocument::load(folder / "config.toml");
   CHECK(document.root().path("model") == folder / "models/leg.toml");
   CHECK(document.root().path("other") == "/dev/null");
-  CHECK(messageOf<FileError>([&] { document.root().path("none"); }) ==
+  CHECK(document.root().existing("model") == folder / "models/leg.toml");
+  CHECK(messageOf<FileError>([&] { document.root().existing("none"); }) ==
         (folder / "config.toml").string() + ":3: key 'none': there is no file " +
             (folder / "models/arm.toml").string() + ", expected a path from the folder of this file");
   const auto absent = folder / "absent.toml";
