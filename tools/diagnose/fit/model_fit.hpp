@@ -2,6 +2,7 @@
 // effects within physics, all at once and weighted by the noise (generalised least squares).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -47,6 +48,11 @@ struct ModelFit {
   /// Where the terms' parameters start in that order: mechanism first, then c and ν of each term.
   std::vector<Eigen::Index> offset;
   std::vector<Edge> at_edge;
+
+  /// It has effects that the given model lacks.
+  bool namesAny() const noexcept {
+    return std::any_of(terms.begin(), terms.end(), [](const Term& term) { return !term.declared; });
+  }
 };
 
 struct FitOptions {

@@ -178,9 +178,7 @@ class Finder {
 }  // namespace
 
 bool MissingEffects::namesAny() const {
-  const auto& terms = selection.fit.terms;
-  return !late.empty() ||
-         std::any_of(terms.begin(), terms.end(), [](const Term& term) { return !term.declared; });
+  return !late.empty() || selection.fit.namesAny();
 }
 
 MissingEffects findMissing(const AnalysedRecordings& recordings, const model::ModelDescription& model,

@@ -228,7 +228,9 @@ void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int>
   addChangingInertia(data, fit, atoms);
   addDrag(data, atoms);
   addStops(data, atoms);
-  addChangingLoad(data, fit, atoms);
+  if (!fit.namesAny()) {
+    addChangingLoad(data, fit, atoms);
+  }
 }
 
 // k(t) (q − rest) where k swings: about the rest of restPosition(); and about any, which takes a swing by

@@ -26,7 +26,8 @@ class FunctionAtoms {
 };
 
 /// A muscle or a strap over two joints; stiffness that a muscle brings with it; an inertia that depends on
-/// posture; drag; a stop; a load or a gain that changes.
+/// posture; drag; a stop; a load or a gain that changes, which is told from nothing only: those of real
+/// drives always do a little, and behind a named effect that is no reason to doubt it.
 void addSuggested(const Dataset& data, const ModelFit& fit, std::span<const int> channels,
                   FunctionAtoms& atoms);
 

@@ -255,7 +255,8 @@ std::vector<Dependence> testDependence(const Dataset& data, const ModelFit& fit,
     return std::move(tester).result();
   };
   std::vector<Dependence> found = test(fit, family_wise_p, seed);
-  if (found.empty() && data.joints() > 1 && fit.weighting->correlation() > unknown::kJointsAlike) {
+  if (found.empty() && !fit.namesAny() && data.joints() > 1 &&
+      fit.weighting->correlation() > unknown::kJointsAlike) {
     ModelFit apart = fit;
     apart.weighting = std::make_shared<const Weighting>(fit.weighting->jointByJoint());
     found = test(apart, unknown::kLevelOfSecondLook * family_wise_p, seed + 2);
