@@ -1,8 +1,6 @@
 #include "drivers/can/binding_check.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -13,6 +11,7 @@
 #include "core/types.hpp"
 #include "drivers/can/input_table.hpp"
 #include "drivers/can/message_codec.hpp"
+#include "drivers/can/named_binding.hpp"
 
 namespace patella::can {
 namespace {
@@ -20,52 +19,8 @@ namespace {
 /// Two scales that differ by less say the same: 0.0175 is a rounded π/180.
 constexpr double kRounding = 0.005;
 
-std::string quote(std::string_view name) {
-  return "'" + std::string(name) + "'";
-}
-
-std::string digits(double value) {
-  std::array<char, 32> text{};
-  return {text.data(),
-          std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6).ptr};
-}
-
 std::string where(const std::string& origin) {
   return origin.empty() ? "" : " (" + origin + ")";
-}
-
-[[noreturn]] void refuse(const std::string& origin, const std::string& problem) {
-  throw std::invalid_argument((origin.empty() ? "" : origin + ": ") + problem);
-}
-
-/// A binding with the names that messages give it.
-struct NamedBinding {
-  const Binding& binding;
-  const char* kind;  ///< "input" or "output"
-  std::string message;
-
-  std::string name() const { return kind + (" " + quote(binding.input)); }
-  std::string signal() const { return "signal " + quote(binding.signal) + " of message " + quote(message); }
-  [[noreturn]] void fail(const std::string& problem) const {
-    refuse(binding.origin, name() + ": " + problem);
-  }
-  const Signal* find(const Database& database) const {
-    const Message* found = database.find(message);
-    return found == nullptr ? nullptr : found->find(binding.signal);
-  }
-};
-
-/// Joint from 0 of an output such as "torque_Nm.2".
-std::optional<std::size_t> torqueJoint(const std::string& output) {
-  for (std::size_t joint = 0; joint < kMaxJoints; ++joint) {
-    if (output == "torque_Nm." + std::to_string(joint + 1))
-      return joint;
-  }
-  return std::nullopt;
-}
-
-Dimension dimensionOfOutput(const std::string& output) {
-  return output.starts_with("torque_Nm.") ? Dimension::kTorque : Dimension::kNone;
 }
 
 void checkFree(const NamedBinding& bound, const Database& database, const Protection* protection) {
@@ -351,133 +306,6 @@ void checkBindings(const Database& database, const BusMap& map, std::span<const 
 void checkCommands(const Database& database, std::span<const CommandMap> commands) {
   const BusMap no_inputs;
   Check(database, no_inputs, commands).runCommands();
-}
-
-namespace {
-
-std::string unguarded(const Protection& protection) {
-  const bool counter = !protection.counter_signal.empty();
-  const bool crc = !protection.crc_signal.empty();
-  if (counter && crc)
-    return "";
-  if (counter)
-    return "has no CRC: damaged frames would be taken for good ones";
-  if (crc)
-    return "has no counter: frames that are lost, repeated or stale would go unseen";
-  return "has neither counter nor CRC: frames that are damaged, lost or repeated would go unseen";
-}
-
-std::string unitRemark(const NamedBinding& bound, const Database& database, Dimension dimension) {
-  const Signal* signal = bound.find(database);
-  if (signal == nullptr)
-    return "";
-  const std::string scale = "scale " + digits(bound.binding.scale);
-  if (!bound.binding.scale_reason.empty()) {
-    return bound.name() + ": " + scale + " of " + bound.signal() + " (" + quote(signal->unit) +
-           ") stands as given: " + bound.binding.scale_reason;
-  }
-  if (dimension == Dimension::kNone || findUnit(signal->unit))
-    return "";
-  const std::string unit =
-      signal->unit.empty() ? "has no unit" : "has the unknown unit " + quote(signal->unit);
-  return bound.name() + ": " + bound.signal() + " " + unit + " in the DBC, so nothing tells whether " +
-         scale + " makes it " + std::string(unitName(dimension));
-}
-
-class Remarks {
- public:
-  void add(std::string text) {
-    if (!text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end())
-      texts.push_back(std::move(text));
-  }
-
-  void missingInputs(const BusMap& map) {
-    constexpr std::array<std::pair<Input, const char*>, 5> kWanted = {
-        {{Input::kDriveTorque, "a drive that does not follow, or exceeds the limit, goes unseen"},
-         {Input::kDriveEnabled, "a drive that stays enabled against the command goes unseen"},
-         {Input::kDriveFault, "a drive's own faults stop nothing"},
-         {Input::kOperatorEnable, "torque never flows"},
-         {Input::kOperatorReset, "no stop is left again"}}};
-    for (const auto& [input, consequence] : kWanted) {
-      const auto is = [wanted = input](const Binding& binding) {
-        const InputId id = inputOf(binding.input, kMaxJoints);
-        return id.input == wanted || id.kind().name == kInputKinds[static_cast<std::size_t>(wanted)].name;
-      };
-      if (std::none_of(map.bindings.begin(), map.bindings.end(), is)) {
-        add("no signal is bound to " + std::string(kInputKinds[static_cast<std::size_t>(input)].name) + ": " +
-            consequence);
-      }
-    }
-  }
-
-  void missingProtection(const BusMap& map, bool emg_assists) {
-    for (const Binding& binding : map.bindings) {
-      const InputGroup group = inputOf(binding.input, kMaxJoints).kind().group;
-      if (group == kNoTimeout || (group == kEmgGroup && !emg_assists))
-        continue;
-      const auto found =
-          std::find_if(map.protections.begin(), map.protections.end(),
-                       [&](const Protection& protection) { return protection.message == binding.message; });
-      addUnguarded(binding.message, found == map.protections.end() ? Protection{} : *found);
-    }
-    for (const Protection& protection : map.protections) {
-      const auto reads = [&](const Binding& binding) { return binding.message == protection.message; };
-      if (std::none_of(map.bindings.begin(), map.bindings.end(), reads))
-        add("message " + quote(protection.message) + " is protected, but no input reads it");
-    }
-  }
-
-  /// A bus on which nobody counts or checks, as that of most drives.
-  void nothingGuarded(const BusMap& map, std::span<const CommandMap> commands) {
-    const auto none = [](const Protection& protection) {
-      return protection.counter_signal.empty() && protection.crc_signal.empty();
-    };
-    const bool commands_too = std::all_of(commands.begin(), commands.end(),
-                                          [&](const CommandMap& c) { return none(c.protection); });
-    const auto drive = [](const Binding& binding) {
-      const InputGroup group = inputOf(binding.input, kMaxJoints).kind().group;
-      return group == kEncoderGroup || group == kDriveGroup;
-    };
-    const auto guarded = [&](const Binding& binding) {
-      return std::any_of(map.protections.begin(), map.protections.end(), [&](const Protection& protection) {
-        return protection.message == binding.message && !none(protection);
-      });
-    };
-    if (commands_too && std::none_of(map.bindings.begin(), map.bindings.end(),
-                                     [&](const Binding& b) { return drive(b) && guarded(b); })) {
-      add("no message of encoders, drives and command has a counter or a CRC: frame_corrupt and "
-          "frame_sequence cannot be found; docs/safety.md says what stands in");
-    }
-  }
-
-  void addUnguarded(const std::string& message, const Protection& protection) {
-    if (const std::string text = unguarded(protection); !text.empty())
-      add("message " + quote(message) + " " + text);
-  }
-
-  std::vector<std::string> texts;
-};
-
-}  // namespace
-
-std::vector<std::string> bindingRemarks(const Database& database, const BusMap& map,
-                                        std::span<const CommandMap> commands, bool emg_assists) {
-  Remarks remarks;
-  remarks.missingInputs(map);
-  remarks.missingProtection(map, emg_assists);
-  remarks.nothingGuarded(map, commands);
-  for (const Binding& binding : map.bindings) {
-    const Dimension dimension = inputOf(binding.input, kMaxJoints).kind().dimension;
-    remarks.add(unitRemark({binding, "input", binding.message}, database, dimension));
-  }
-  for (const CommandMap& command : commands) {
-    remarks.addUnguarded(command.message, command.protection);
-    for (const Binding& binding : command.bindings) {
-      const Dimension dimension = dimensionOfOutput(binding.input);
-      remarks.add(unitRemark({binding, "output", command.message}, database, dimension));
-    }
-  }
-  return std::move(remarks.texts);
 }
 
 }  // namespace patella::can

@@ -9,7 +9,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "drivers/can/binding_check.hpp"
+#include "drivers/can/binding_remarks.hpp"
 #include "drivers/can/bus_group.hpp"
 #include "drivers/can/bus_load.hpp"
 #include "drivers/can/socketcan_bus.hpp"

@@ -1,5 +1,6 @@
 // Typing errors in a bus map, and which of them are refused.
 #include "drivers/can/binding_check.hpp"
+#include "drivers/can/binding_remarks.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "drivers/can/binding_check.hpp"
+#include "drivers/can/binding_remarks.hpp"
 #include "drivers/can/command_encoder.hpp"
 
 using namespace patella;

@@ -40,6 +40,11 @@ bool isStrength(std::string_view kind, std::string_view parameter) {
   });
 }
 
+bool isLogStrength(std::string_view kind, std::string_view parameter) {
+  const auto& names = effectHome(kind).log_strengths;
+  return std::find(names.begin(), names.end(), parameter) != names.end();
+}
+
 std::shared_ptr<const Recipe> declaredRecipe(const model::EffectDescription& effect) {
   const auto groups = usedGroups(effect);
   if (groups.empty()) {

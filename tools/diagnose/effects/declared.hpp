@@ -16,4 +16,7 @@ std::shared_ptr<const Recipe> declaredRecipe(const model::EffectDescription& eff
 /// Whether an effect's torque grows in proportion to this parameter, so that zero means none of it.
 bool isStrength(std::string_view kind, std::string_view parameter);
 
+/// Whether it is the logarithm of such a parameter.
+bool isLogStrength(std::string_view kind, std::string_view parameter);
+
 }  // namespace patella::diagnose

@@ -142,6 +142,7 @@ std::vector<EffectHome> patientEffects() {
       {.kind = "passive_knee_moment",
        .what = "Ligaments and muscles that stiffen towards the ends of the range.",
        .shows = Shows::kPosition,
+       .log_strengths = {"flexion_log_Nm", "extension_log_Nm"},
        .at_rest = true,
        .of_patient = true,
        .of_knee = true,

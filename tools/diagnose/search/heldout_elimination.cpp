@@ -1,21 +1,13 @@
 #include "tools/diagnose/search/heldout_elimination.hpp"
 
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "tools/diagnose/fit/model_error.hpp"
+#include "tools/diagnose/search/missed.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
-namespace {
-
-double squaredPriorDistance(const ModelFit& fit) {
-  return fit.prior_residual.squaredNorm() / std::pow(fit.prior_scale, 2);
-}
-
-}  // namespace
-
 std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& selection,
                                              const Dataset& heldout) {
   const auto error = [&](const ModelFit& fit) {
@@ -31,10 +23,8 @@ std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& sel
         continue;
       }
       Selection smaller = withoutTerm(fitter, selection, t);
-      const double moved = squaredPriorDistance(smaller.fit) -
-                           selection.fit.prior_residual.squaredNorm() / std::pow(smaller.fit.prior_scale, 2);
       const double left = error(smaller.fit);
-      if (left < least && moved < accepted::kMoved) {
+      if (left < least && priorRelief(smaller.fit, selection.fit) < accepted::kMoved) {
         least = left;
         best = std::move(smaller);
         label = selection.fit.terms[t].recipe->label();

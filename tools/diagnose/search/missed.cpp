@@ -35,4 +35,9 @@ bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const Mode
   });
 }
 
+double priorRelief(const ModelFit& smaller, const ModelFit& larger) {
+  return (smaller.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
+         std::pow(larger.prior_scale, 2);
+}
+
 }  // namespace patella::diagnose

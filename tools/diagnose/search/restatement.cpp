@@ -101,12 +101,18 @@ class Restatement {
         }
       });
       if (best && (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ ||
-                   isOutOfRange(t, *best, rest) || !gainIsMissed(fitter_, *best, selection_.fit))) {
+                   isOutOfRange(t, *best, rest) || !isMissed(*best))) {
         take(std::move(*best), selection_.evidence[t].p_value);
         return true;
       }
     }
     return false;
+  }
+
+  // What the selection has beyond a smaller fit.
+  bool isMissed(const ModelFit& smaller) const {
+    return gainIsMissed(fitter_, smaller, selection_.fit) ||
+           priorRelief(smaller, selection_.fit) >= accepted::kMoved;
   }
 
   // Later steps have moved a parameter to where it means another effect, such as a spring's rest far from the

@@ -169,17 +169,11 @@ class Selector {
     return shareOf(larger) >= least_share && gainIsMissed(fitter_, result_.fit, larger);
   }
 
-  // Prior knowledge counts against a fit by so many squared standard deviations less.
-  double reliefOf(const ModelFit& larger) const {
-    return (result_.fit.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
-           std::pow(larger.prior_scale, 2);
-  }
-
   std::string gate(const Candidate& candidate, double p_value) const {
     const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < accepted::kClearLine;
     if (options_.gates.share &&
         !isMaterial(*candidate.fit, hump ? accepted::kLeastTremorShare : accepted::kLeastShare) &&
-        reliefOf(*candidate.fit) < accepted::kMoved) {
+        priorRelief(result_.fit, *candidate.fit) < accepted::kMoved) {
       return "too little";
     }
     if (options_.gates.chance && p_value >= options_.family_wise_p) {

@@ -10,6 +10,7 @@
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/gates.hpp"
+#include "tools/diagnose/search/missed.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/thresholds.hpp"
@@ -146,9 +147,7 @@ bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with) const {
     missed = missed || before * before - left * left >
                            std::pow(obstacles_.least_Nm[static_cast<std::size_t>(joint)], 2);
   }
-  const double relief = (without.prior_residual.squaredNorm() - with.prior_residual.squaredNorm()) /
-                        std::pow(with.prior_scale, 2);
-  if ((share < accepted::kLeastShare || !missed) && relief < accepted::kMoved) {
+  if ((share < accepted::kLeastShare || !missed) && priorRelief(without, with) < accepted::kMoved) {
     return false;
   }
   const double unit = chanceUnit(with);
