@@ -1,6 +1,5 @@
 // Typing errors in a bus map, and which of them are refused.
 #include "drivers/can/binding_check.hpp"
-#include "drivers/can/binding_remarks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include "drivers/can/binding_remarks.hpp"
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/can/input_table.hpp"
 #include "drivers/can/measurement_decoder.hpp"

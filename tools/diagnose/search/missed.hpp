@@ -1,5 +1,5 @@
-// Whether anyone would miss a torque: accepted::kLeastOfLoad of what its joint carries is the least; and what is
-// moved to make up for it.
+// Whether anyone would miss a torque: accepted::kLeastOfLoad of what its joint carries is the least; and what
+// is moved to make up for it.
 #pragma once
 
 #include "tools/diagnose/fit/model_fit.hpp"
@@ -12,8 +12,9 @@ bool restIsMissed(const ModelFitter& fitter, const ModelFit& fit);
 /// What a fit explains beyond another, on any joint.
 bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const ModelFit& larger);
 
-/// Squared standard deviations by which what is known beforehand had to move to make up for what the larger fit
-/// has; in the scale of the larger one. From accepted::kMoved on that matters, however little is left to explain.
+/// Squared standard deviations by which what is known beforehand had to move to make up for what the larger
+/// fit has; in the scale of the larger one. From accepted::kMoved on that matters, however little is left to
+/// explain.
 double priorRelief(const ModelFit& smaller, const ModelFit& larger);
 
 }  // namespace patella::diagnose
