@@ -54,6 +54,22 @@ TEST_CASE("a drive's spring is found where only its resonance shows") {
   }
 }
 
+TEST_CASE("damping far from what the model declares is found, though the declared one could stretch to it") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(7601000181, Suite::kSingle));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  const diagnose::EffectFinding& damping = diagnosis.effects.front();
+  CHECK(damping.kind == "viscous_friction");
+  CHECK(damping.replaces == std::vector<std::string>{"viscous_friction"});
+  // 0.5 N·m·s/rad declared, and as much as this more.
+  CHECK(damping.parameters.front().ci95[0] < 0.934);
+  CHECK(damping.parameters.front().ci95[1] > 0.934);
+}
+
+TEST_CASE("tissue is found where the motion reaches one end of its range only") {
+  CHECK(onlyFinding(7601000007) == "passive_knee_moment");
+}
+
 TEST_CASE("a peak of friction close to rest is found") {
   for (const std::uint64_t seed : {117000123U, 126000086U}) {
     CAPTURE(seed);
