@@ -24,8 +24,8 @@ using namespace patella::test;
 
 namespace {
 
-/// Runs beside each other for each processor. A sanitizer makes a simulated rig some ten times as slow, and a rig
-/// that falls behind its own time is no longer the rig.
+/// Runs beside each other for each processor. A sanitizer makes a simulated rig some ten times as slow, and a
+/// rig that falls behind its own time is no longer the rig.
 #if defined(PATELLA_SANITIZER_address) || defined(PATELLA_SANITIZER_thread)
 constexpr std::size_t kForEachProcessor = 1;
 #else
