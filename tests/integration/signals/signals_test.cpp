@@ -26,7 +26,7 @@ namespace {
 
 /// Runs beside each other for each processor. A sanitizer makes a simulated rig some ten times as slow, and a
 /// rig that falls behind its own time is no longer the rig.
-#if defined(PATELLA_SANITIZER_address) || defined(PATELLA_SANITIZER_thread)
+#if defined(PATELLA_SANITIZER_address)
 constexpr std::size_t kForEachProcessor = 1;
 #else
 constexpr std::size_t kForEachProcessor = 4;

@@ -8,6 +8,7 @@
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
+
 std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& selection,
                                              const Dataset& heldout) {
   const auto error = [&](const ModelFit& fit) {

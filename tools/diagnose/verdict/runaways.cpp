@@ -196,18 +196,18 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
 }  // namespace
 
 bool strengthIsUnknown(const EffectFinding& effect) {
-  const auto isAny = [&](const ParameterEstimate& estimate) {
+  const auto tellsStrength = [&](const ParameterEstimate& estimate) {
     return isStrength(effect.kind, estimate.name) || isLogStrength(effect.kind, estimate.name);
   };
-  const bool has_strengths = std::any_of(effect.parameters.begin(), effect.parameters.end(), isAny);
+  const bool has_strengths = std::any_of(effect.parameters.begin(), effect.parameters.end(), tellsStrength);
   for (const ParameterEstimate& estimate : effect.parameters) {
     // An effect without a strength is as large as its first parameter says.
-    const bool counts = has_strengths ? isAny(estimate) : &estimate == &effect.parameters.front();
+    const bool counts = has_strengths ? tellsStrength(estimate) : &estimate == &effect.parameters.front();
     const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
-    // A strength holds zero where it may be off by as much as it is: so does its logarithm's interval then.
-    const bool may_be_none = isLogStrength(effect.kind, estimate.name)
-                                 ? estimate.ci95[1] - estimate.ci95[0] > 2.0
-                                 : stands.holds_zero;
+    // To first order a strength is off by itself times what its logarithm is off by: by all of itself from 1
+    // on.
+    const double half = 0.5 * (estimate.ci95[1] - estimate.ci95[0]);
+    const bool may_be_none = isLogStrength(effect.kind, estimate.name) ? half > 1.0 : stands.holds_zero;
     if (counts && !stands.anything && !stands.at_low && !stands.at_high && !may_be_none) {
       return false;
     }
