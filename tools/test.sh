@@ -182,7 +182,7 @@ headline "fuzz: what is in the tree, and some seconds of chance"
 tests/fuzz/run.sh short
 
 headline "lint"
-tools/checks/tidy.sh build/release
+tools/checks/tidy.py build/release
 
 times
 if [ ${#skipped[@]} -gt 0 ]; then

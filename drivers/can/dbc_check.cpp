@@ -9,13 +9,10 @@
 #include <utility>
 
 #include "drivers/can/dbc_limits.hpp"
+#include "drivers/can/quote.hpp"
 
 namespace patella::can {
 namespace {
-
-std::string quote(std::string_view name) {
-  return "'" + std::string(name) + "'";
-}
 
 /// Bit positions as 8 * byte + place, counted so that a signal's bits are contiguous: from the least
 /// significant place for Intel, from the most significant for Motorola.

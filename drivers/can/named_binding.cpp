@@ -8,10 +8,6 @@
 
 namespace patella::can {
 
-std::string quote(std::string_view name) {
-  return "'" + std::string(name) + "'";
-}
-
 std::string digits(double value) {
   std::array<char, 32> text{};
   return {text.data(),

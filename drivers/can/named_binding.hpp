@@ -3,16 +3,14 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
+#include "drivers/can/quote.hpp"
 #include "drivers/can/unit.hpp"
 
 namespace patella::can {
 
-/// 'name'
-std::string quote(std::string_view name);
 /// Six digits, as short as they go.
 std::string digits(double value);
 

@@ -13,7 +13,7 @@ if(CCACHE_PROGRAM)
   # Two checkouts of the same sources share their objects. What a source includes is known from the compiler's dependency
   # files: a source that is not in the cache is not preprocessed once more to find out, which takes a tenth of its time.
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
+    "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1 CCACHE_PCH_EXTSUM=1
     CCACHE_SLOPPINESS=pch_defines,time_macros "${CCACHE_PROGRAM}")
 endif()
 
@@ -47,6 +47,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(patella_compiler_flags INTERFACE -Wno-unknown-warning-option -Wno-c2y-extensions)
   # A precompiled header with the time of its making in it would be another one for ccache each time.
   target_compile_options(patella_compiler_flags INTERFACE "SHELL:-Xclang -fno-pch-timestamp")
+  # Clang finds the precompiled one beside the header. ccache makes this path a relative one, which it does not behind -Xclang.
+  set(CMAKE_CXX_COMPILE_OPTIONS_USE_PCH -include <PCH_HEADER>)
 endif()
 
 set(PATELLA_SANITIZER "" CACHE STRING "address (with undefined), thread, realtime, fuzzer, or empty")

@@ -1,5 +1,5 @@
 # The headers of Eigen and of the standard library are parsed once for libraries and once for programs, not once a source.
-# Sources include what they use all the same: lint and the fuzzing build do without and find what is missing.
+# Sources include what they use all the same: the fuzzing build does without and finds what is missing.
 
 # Whether a target is linked with a library, whatever the way there.
 function(patella_links target library found)
@@ -54,17 +54,43 @@ function(patella_precompile_folder folder)
   endforeach()
 endfunction()
 
+# Clang makes another precompiled header in every folder. ccache takes this sum in its place: of the headers' text. What else goes
+# into one, ccache knows from each source's own command. A header that changes has the sum made anew.
+# patella_sum_of_precompiled(RESULT <header>...)
+function(patella_sum_of_precompiled result)
+  list(TRANSFORM ARGN REPLACE "^.+$" "#include \\0\n" OUTPUT_VARIABLE text)
+  set(source "${PROJECT_BINARY_DIR}/generated/all_precompiled.cpp")
+  file(WRITE "${source}" ${text})
+  get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+  set(preprocess "${CMAKE_CXX_COMPILER}" -std=c++20 -isystem "${eigen}" "${source}")
+  execute_process(COMMAND ${preprocess} -E -P OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  string(SHA256 sum "${text}")
+  execute_process(COMMAND ${preprocess} -M OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX MATCHALL "/[^ \n]+" included "${text}")
+  list(REMOVE_ITEM included "${source}")
+  list(TRANSFORM included REPLACE "/\\./" "/")
+  list(REMOVE_DUPLICATES included)
+  set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${included})
+  set(${result} "${sum}" PARENT_SCOPE)
+endfunction()
+
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR PATELLA_SANITIZER MATCHES "^(address|thread|realtime)$")
   set(no_source "${PROJECT_BINARY_DIR}/generated/no_source.cpp")
   file(CONFIGURE OUTPUT "${no_source}" CONTENT "int main() {}\n")
   add_library(patella_precompiled_libraries OBJECT EXCLUDE_FROM_ALL "${no_source}")
   add_executable(patella_precompiled_programs EXCLUDE_FROM_ALL "${no_source}")
+  set(headers <Eigen/Dense> <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory>
+    <numbers> <optional> <random> <span> <sstream> <stdexcept> <string> <string_view> <utility> <variant> <vector>)
   foreach(kind IN ITEMS libraries programs)
     target_link_libraries(patella_precompiled_${kind} PRIVATE patella_settings Eigen3::Eigen)
     target_compile_definitions(patella_precompiled_${kind} PRIVATE EIGEN_RUNTIME_NO_MALLOC)  # as patella_core asks
-    target_precompile_headers(patella_precompiled_${kind} PRIVATE <Eigen/Dense> <algorithm> <array> <chrono> <cmath> <cstdint>
-      <filesystem> <fstream> <functional> <map> <memory> <numbers> <optional> <random> <span> <sstream> <stdexcept> <string>
-      <string_view> <utility> <variant> <vector>)
+    target_precompile_headers(patella_precompiled_${kind} PRIVATE ${headers})
   endforeach()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    patella_sum_of_precompiled(sum ${headers})
+    foreach(kind IN ITEMS libraries programs)
+      file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/patella_precompiled_${kind}.dir/cmake_pch.hxx.pch.sum" "${sum}\n")
+    endforeach()
+  endif()
   patella_precompile_folder("${PROJECT_SOURCE_DIR}")
 endif()
