@@ -158,7 +158,7 @@ headline "documentation of the API"
 tools/checks/api.sh
 headline "tests: release"
 ctest --preset release -j "$(nproc)" -LE uml
-ctest --preset release "${again[@]}" -L uml
+ctest --preset release -j "$(nproc)" "${again[@]}" -L uml
 
 # The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
 run_board allocation_counter_test can_test gpiod_pins_test
