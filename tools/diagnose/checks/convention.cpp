@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/checks/series_changes.hpp"
 #include "tools/diagnose/thresholds.hpp"
-#include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -52,44 +52,6 @@ std::string tau(int joint) {
 
 bool of(int joint, Eigen::Index index) {
   return joint == kAll || joint == index;
-}
-
-// Positions that are turned, scaled or mixed about a zero of their own.
-void turnPositions(Series& series, const JointMatrix& matrix, const JointVector& zero) {
-  for (std::size_t i = 0; i < series.states.size(); ++i) {
-    model::EffectInput& state = series.states[i];
-    state.q = (matrix * (state.q - zero) + zero).eval();
-    state.dq = (matrix * state.dq).eval();
-    series.acceleration[i] = (matrix * series.acceleration[i]).eval();
-  }
-}
-
-void turnTorques(Series& series, const JointMatrix& matrix) {
-  for (model::EffectInput& state : series.states) {
-    state.torque_Nm = (matrix * state.torque_Nm).eval();
-  }
-}
-
-// One joint's signal as samples, to be differentiated.
-std::vector<double> torqueOf(const Series& series, Eigen::Index joint) {
-  std::vector<double> torque;
-  torque.reserve(series.states.size());
-  for (const model::EffectInput& state : series.states) {
-    torque.push_back(state.torque_Nm[joint]);
-  }
-  return torque;
-}
-
-void exchangeColumns(Series& series, Eigen::Index joint) {
-  const std::vector<double> position = torqueOf(series, joint);
-  const std::vector<double> velocity = offline::derivative(position, series.rate_Hz);
-  const std::vector<double> acceleration = offline::derivative(velocity, series.rate_Hz);
-  for (std::size_t i = 0; i < position.size(); ++i) {
-    series.states[i].torque_Nm[joint] = series.states[i].q[joint];
-    series.states[i].q[joint] = position[i];
-    series.states[i].dq[joint] = velocity[i];
-    series.acceleration[i][joint] = acceleration[i];
-  }
 }
 
 class Known {
@@ -359,11 +321,7 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
               [=](Series& series) {
                 for (Eigen::Index j = 0; j < series.states.front().torque_Nm.size(); ++j) {
                   if (of(joint, j)) {
-                    const std::vector<double> shifted =
-                        offline::advanced(torqueOf(series, j), late_s, series.rate_Hz);
-                    for (std::size_t i = 0; i < shifted.size(); ++i) {
-                      series.states[i].torque_Nm[j] = shifted[i];
-                    }
+                    advanceTorque(series, j, late_s);
                   }
                 }
               },

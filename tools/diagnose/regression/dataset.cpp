@@ -45,12 +45,8 @@ Samples actingTorque(Samples torque, TorqueTiming timing) {
 }
 
 Series restingSeries(const Recording& recording, const Segment& segment) {
-  Series series{.rate_Hz = 1.0,
-                .states = {},
-                .acceleration = {},
-                .predicted_torque_Nm = {},
-                .asked_acceleration = {},
-                .asked_torque_Nm = {}};
+  Series series;
+  series.rate_Hz = 1.0;
   for (std::size_t i = segment.first; i < segment.end; ++i) {
     model::EffectInput state;
     state.time_s = recording.time_s[i];
@@ -78,12 +74,8 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
   const auto smooth = [&](const Samples& raw) {
     return everyNth(offline::zeroPhaseLowPass(raw, smoothing_Hz, rate, kFilterOrder), step);
   };
-  Series series{.rate_Hz = rate / static_cast<double>(step),
-                .states = {},
-                .acceleration = {},
-                .predicted_torque_Nm = {},
-                .asked_acceleration = {},
-                .asked_torque_Nm = {}};
+  Series series;
+  series.rate_Hz = rate / static_cast<double>(step);
   std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque, asked;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     // Differentiated at the full rate, where central differences reach furthest.
