@@ -4,15 +4,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <stdexcept>
-#include <tuple>
 #include <unordered_set>
 #include <utility>
 
 #include "drivers/files/line_reader.hpp"
+#include "firmware_app/files/csv_parser.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
@@ -22,191 +21,12 @@ namespace {
 constexpr std::size_t kLongestLine = 1'000'000;
 constexpr std::size_t kSkipped = std::numeric_limits<std::size_t>::max();
 
-constexpr std::string_view kBlanks = " \t";
-
-std::string_view withoutBlanks(std::string_view text) {
-  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-  text.remove_suffix(text.size() - (text.find_last_not_of(kBlanks) + 1));
-  return text;
-}
-
-std::string_view trimmed(std::string_view cell) {
-  cell = withoutBlanks(cell);
-  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
-    cell = cell.substr(1, cell.size() - 2);
-  }
-  return cell;
-}
-
-using Lines = CsvTable::Lines;
-
-Lines linesOf(std::string_view text) {
-  return [rest = text](std::string_view& line) mutable {
-    if (rest.empty()) {
-      return false;
-    }
-    const auto end = std::min(rest.find('\n'), rest.size());
-    line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    return true;
-  };
-}
-
-/// Line by line and cell by cell.
-class Parser {
- public:
-  Parser(Lines lines, std::string file, const CsvOptions& options)
-      : lines_(std::move(lines)), file_(std::move(file)), options_(options) {}
-
-  bool nextLine() {
-    if (std::exchange(again_, false)) {
-      return true;
-    }
-    if (!fetched_) {
-      fetch();
-    }
-    if (empty_lines_ == 0 && !fetched_) {
-      return false;
-    }
-    ++line_number_;
-    line_done_ = false;
-    cells_ = 0;
-    if (empty_lines_ > 0) {
-      --empty_lines_;
-      line_ = {};
-      return true;
-    }
-    line_ = next_;
-    fetched_ = false;
-    return true;
-  }
-
-  /// Whether another line follows; the one before it is lost.
-  bool more() {
-    fetch();
-    return fetched_;
-  }
-
-  /// Gives the line once more, none of whose cells have been asked for.
-  void giveLineAgain() noexcept { again_ = true; }
-  std::string_view line() const noexcept { return line_; }
-  std::size_t lineNumber() const noexcept { return line_number_; }
-  std::size_t lineLength() const noexcept { return line_.size(); }
-  /// Whether the cell given last ends the line, and is not beyond the `count` cells that a line has.
-  bool endedBy(std::size_t count) const noexcept { return line_done_ && cells_ <= count; }
-
-  /// Next cell of the line; false past the last one.
-  bool nextCell(std::string_view& cell) {
-    if (line_done_) {
-      return false;
-    }
-    std::size_t end = 0;
-    if (line_.starts_with('"')) {
-      const auto quote = line_.find('"', 1);
-      end = quote == std::string_view::npos ? line_.size() : quote;
-    }
-    const char* found = delimiterFrom(end);
-    end = found == nullptr ? line_.size() : static_cast<std::size_t>(found - line_.data());
-    cell = line_.substr(0, end);
-    line_done_ = found == nullptr;
-    line_.remove_prefix(line_done_ ? end : end + 1);
-    if (betweenBlanks()) {
-      line_ = withoutBlanks(line_);
-    }
-    ++cells_;
-    return true;
-  }
-
-  double number(std::string_view cell, const std::string& column) const {
-    double value = 0.0;
-    auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (end != cell.data() + cell.size() || error != std::errc{}) {
-      std::string_view inner = trimmed(cell);
-      if (options_.allow_missing && inner.empty()) {
-        return std::numeric_limits<double>::quiet_NaN();
-      }
-      if (inner.starts_with('+')) {  // spreadsheets write it, from_chars refuses it
-        inner.remove_prefix(1);
-      }
-      std::tie(end, error) = parse(inner, value);
-      if (inner.empty() || end != inner.data() + inner.size() || error != std::errc{}) {
-        fail("column '" + column + "': value '" + std::string(cell) + "', expected a number");
-      }
-    }
-    if (!std::isfinite(value)) {
-      if (!options_.allow_missing) {
-        fail("column '" + column + "': value '" + std::string(cell) + "', expected a finite number");
-      }
-      return std::numeric_limits<double>::quiet_NaN();
-    }
-    return value;
-  }
-
-  [[noreturn]] void fail(const std::string& problem) const {
-    throw FileError(file_ + ":" + std::to_string(std::max<std::size_t>(line_number_, 1)) + ": " + problem);
-  }
-
- private:
-  bool betweenBlanks() const noexcept { return options_.delimiter == ' '; }
-
-  /// First delimiter of the line at or after a place in it, or nothing.
-  const char* delimiterFrom(std::size_t at) const {
-    if (betweenBlanks()) {
-      const auto found = line_.find_first_of(kBlanks, at);
-      return found == std::string_view::npos ? nullptr : line_.data() + found;
-    }
-    return at < line_.size() ? static_cast<const char*>(
-                                   std::memchr(line_.data() + at, options_.delimiter, line_.size() - at))
-                             : nullptr;
-  }
-
-  static std::pair<const char*, std::errc> parse(std::string_view text, double& value) {
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-    return {result.ptr, result.ec};
-  }
-
-  /// Goes on to the next line that is not empty. Empty lines at the end carry nothing; anywhere else they are
-  /// rows without cells.
-  void fetch() {
-    while (!fetched_ && lines_(next_)) {
-      if (first_ && next_.starts_with("\xEF\xBB\xBF")) {
-        next_.remove_prefix(3);
-      }
-      first_ = false;
-      if (next_.ends_with('\r')) {
-        next_.remove_suffix(1);
-      }
-      if (betweenBlanks()) {
-        next_ = withoutBlanks(next_);
-      }
-      fetched_ = !next_.empty();
-      empty_lines_ += fetched_ ? 0 : 1;
-    }
-    if (!fetched_) {
-      empty_lines_ = 0;
-    }
-  }
-
-  Lines lines_;
-  std::string_view next_;
-  bool first_ = true;
-  bool fetched_ = false;
-  std::size_t empty_lines_ = 0;
-  std::string_view line_;
-  std::string file_;
-  const CsvOptions& options_;
-  std::size_t line_number_ = 0;
-  std::size_t cells_ = 0;  ///< given of the line
-  bool again_ = false;
-  bool line_done_ = true;
-};
-
 bool isNumber(std::string_view text) {
   double value = 0.0;
   return std::from_chars(text.data(), text.data() + text.size(), value).ptr == text.data() + text.size();
 }
 
-std::vector<std::string> readHeader(Parser& parser) {
+std::vector<std::string> readHeader(CsvParser& parser) {
   if (!parser.nextLine()) {
     parser.fail("the file is empty, expected a header of column names");
   }
@@ -232,12 +52,13 @@ std::vector<std::string> readHeader(Parser& parser) {
 }
 
 /// Numbers as names of the columns of a file without a header, whose first line is still to be read.
-std::vector<std::string> numberColumns(Parser& parser, const std::string& file, const CsvOptions& options) {
+std::vector<std::string> numberColumns(CsvParser& parser, const std::string& file,
+                                       const CsvOptions& options) {
   if (!parser.nextLine()) {
     parser.fail("the file is empty, expected rows of numbers");
   }
   const std::string line(parser.line());
-  Parser first(linesOf(line), file, options);
+  CsvParser first(linesOf(line), file, options);
   std::vector<std::string> names;
   std::size_t numbers = 0;
   std::string_view cell;
@@ -253,7 +74,8 @@ std::vector<std::string> numberColumns(Parser& parser, const std::string& file, 
   return names;
 }
 
-void requireColumns(const Parser& parser, const std::vector<std::string>& header, const CsvOptions& options) {
+void requireColumns(const CsvParser& parser, const std::vector<std::string>& header,
+                    const CsvOptions& options) {
   for (const std::string& wanted : options.columns) {
     if (std::find(header.begin(), header.end(), wanted) == header.end()) {
       parser.fail(
@@ -292,7 +114,7 @@ CsvTable CsvTable::parse(std::string_view text, const std::string& name, const C
 
 CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::string& name,
                         const CsvOptions& options) {
-  Parser parser(source, name, options);
+  CsvParser parser(source, name, options);
   const std::vector<std::string> header =
       options.header ? readHeader(parser) : numberColumns(parser, name, options);
   requireColumns(parser, header, options);

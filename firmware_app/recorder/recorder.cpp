@@ -22,94 +22,13 @@
 #include "drivers/can/candump_log.hpp"
 #include "drivers/signal_stack.hpp"
 #include "firmware_app/live/live_run.hpp"
+#include "firmware_app/recorder/recording_folder.hpp"
 
 namespace patella::app {
 namespace {
 
 constexpr auto kWriterPeriod = std::chrono::milliseconds(10);
 constexpr auto kDiskPeriod = std::chrono::seconds(1);
-constexpr std::size_t kFileBuffer = 1U << 18;
-constexpr std::array kFileNames = {"frames.log", "ticks.csv", "events.log", "run.mcap"};
-
-struct Closer {
-  void operator()(std::FILE* file) const noexcept { std::fclose(file); }
-};
-
-// One output file; remembers the first failure and writes nothing after it.
-class OutputFile {
- public:
-  OutputFile(const std::filesystem::path& folder, const char* name,
-             std::vector<std::filesystem::path>& created)
-      : name_(name), file_(std::fopen((folder / name).c_str(), "wxe")) {
-    if (!file_) {
-      throw std::runtime_error((folder / name).string() +
-                               ": cannot be created: " + std::generic_category().message(errno));
-    }
-    created.push_back(folder / name);
-    std::setvbuf(file_.get(), nullptr, _IOFBF, kFileBuffer);
-  }
-
-  void write(const char* text, std::size_t length) {
-    if (error_.empty() && std::fwrite(text, 1, length, file_.get()) != length) {
-      fail();
-    }
-  }
-  void flush() {
-    if (error_.empty() && std::fflush(file_.get()) != 0) {
-      fail();
-    }
-  }
-  const std::string& error() const noexcept { return error_; }
-
- private:
-  void fail() { error_ = name_ + ": " + std::generic_category().message(errno); }
-
-  std::string name_;
-  std::string error_;
-  std::unique_ptr<std::FILE, Closer> file_;
-};
-
-void requireNoRecording(const std::filesystem::path& folder) {
-  std::vector<const char*> names(kFileNames.begin(), kFileNames.end());
-  names.push_back("summary.json");
-  std::error_code ignored;
-  for (const char* name : names) {
-    if (std::filesystem::exists(folder / name, ignored)) {
-      throw std::runtime_error(folder.string() + ": holds a recording already (" + name +
-                               "), expected a new or empty folder");
-    }
-  }
-}
-
-// Bytes that may still be written where the folder is, or will be; the largest number where nobody can tell.
-std::uint64_t freeBytes(std::filesystem::path folder) {
-  std::error_code error;
-  while (!folder.empty() && !std::filesystem::exists(folder, error) && folder != folder.parent_path()) {
-    folder = folder.parent_path();
-  }
-  const auto space = std::filesystem::space(folder.empty() ? "." : folder, error);
-  return error ? std::numeric_limits<std::uint64_t>::max() : space.available;
-}
-
-void requireRoom(const RecorderOptions& options) {
-  const std::uint64_t available = freeBytes(options.folder);
-  if (available < options.min_free_bytes) {
-    throw std::runtime_error(options.folder.string() + ": " + std::to_string(available / 1'000'000) +
-                             " MB are free on its disk, expected at least " +
-                             std::to_string(options.min_free_bytes / 1'000'000) + " (loop.min_free_MB)");
-  }
-}
-
-// The folder and those above it that are not there, outermost first.
-std::vector<std::filesystem::path> missingFolders(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> missing;
-  std::error_code error;
-  for (auto path = folder; !path.empty() && !std::filesystem::exists(path, error) && path != path.root_path();
-       path = path.parent_path()) {
-    missing.insert(missing.begin(), path);
-  }
-  return missing;
-}
 
 }  // namespace
 
@@ -119,11 +38,11 @@ class Recorder::Files {
   Files(const RecorderOptions& options, std::vector<std::filesystem::path>& created)
       : buses_(options.buses),
         columns_(tickColumns(options.joints)),
-        frames_(options.folder, kFileNames[0], created),
-        ticks_(options.folder, kFileNames[1], created),
-        events_(options.folder, kFileNames[2], created) {
+        frames_(options.folder, kRecordingFiles[0], created),
+        ticks_(options.folder, kRecordingFiles[1], created),
+        events_(options.folder, kRecordingFiles[2], created) {
     if (options.mcap) {
-      mcap_file_ = std::make_unique<OutputFile>(options.folder, kFileNames[3], created);
+      mcap_file_ = std::make_unique<OutputFile>(options.folder, kRecordingFiles[3], created);
       mcap_ = std::make_unique<formats::McapRun>(
           [this](std::string_view bytes) { mcap_file_->write(bytes.data(), bytes.size()); },
           "patella " PATELLA_VERSION, namesOf(columns_), *options.mcap);
@@ -220,7 +139,7 @@ class Recorder::Files {
     try {
       write();
     } catch (const std::exception& error) {
-      mcap_error_ = std::string(kFileNames[3]) + ": " + error.what();
+      mcap_error_ = std::string(kRecordingFiles[3]) + ": " + error.what();
     }
   }
 
