@@ -32,16 +32,16 @@ inline constexpr double kOwnRange = 0.3;
 inline constexpr double kOtherLeg = 2.5;
 /// Share of a joint's load that the best models of machines leave: less counts as this much.
 inline constexpr double kFloor = 0.05;
-/// Share of a joint's load: more than this left is out of proportion for a model of the machine.
+/// Share of a joint's load: more than this left is out of proportion for a model of the machine. A joint that
+/// leaves no more as given speaks for a convention only by kSmallPart.
 inline constexpr double kOutOfProportion = 0.2;
 /// Share of the load that machines leave of their models. A convention may leave as much on each joint that
-/// it changes; where it leaves more, kSmallPart decides. A recording that leaves no more as given speaks for
-/// none.
+/// it changes; where it leaves more, kSmallPart decides.
 inline constexpr double kAsMachines = 0.15;
 /// Share of what the recording as given leaves: chance does not bring a joint below it.
 inline constexpr double kSmallPart = 0.4;
-/// Share of what the recording as given leaves: a joint of which a convention leaves less speaks for it, also
-/// where no more was left than machines leave.
+/// Share of what the recording as given leaves, both beside kFloor: a joint that speaks for a convention has to
+/// leave less where no more than kOutOfProportion was left, and a torque that is scaled less of itself.
 inline constexpr double kSpeaks = 0.5;
 /// Share of what the recording as given leaves that a convention may leave, on the mean of the joints.
 inline constexpr double kFarBetter = 0.75;

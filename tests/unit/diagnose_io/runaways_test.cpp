@@ -150,3 +150,17 @@ TEST_CASE("a declared effect that vanished is named with what takes its place") 
   REQUIRE(gone.size() == 1);
   CHECK(gone[0].words == "the declared torque bias on joint 1 vanished");
 }
+
+TEST_CASE("a reflex whose delay stands where the search ends may be another effect of the velocity") {
+  EffectFinding reflex;
+  reflex.kind = "spasticity";
+  reflex.parameters = {{.name = "gain_Nms_rad", .value = 0.4, .ci95 = {0.3, 0.5}},
+                       {.name = "delay_s", .value = 0.01, .ci95 = {-0.01, 0.03}, .at_bound = true}};
+  CHECK(mayBeAnother(reflex));
+  CHECK_FALSE(strengthIsUnknown(reflex));
+  reflex.parameters[1].at_bound = false;
+  CHECK_FALSE(mayBeAnother(reflex));
+  // Other parameters at an end of the search are to be looked at twice, no more.
+  reflex.parameters[0].at_bound = true;
+  CHECK_FALSE(mayBeAnother(reflex));
+}

@@ -168,8 +168,9 @@ bool losesMost(double read, double given) {
   return std::hypot(read, kFloor) < kSpeaks * std::hypot(given, kFloor);
 }
 
-// Every joint that the convention changes is explained by it. And some joint speaks for it: one that has more
-// left than machines leave of their models, that loses most of it, or whose torque is explained once scaled.
+// Every joint that the convention changes is explained by it. And some joint speaks for it: one of which more
+// is left than a model of the machine would leave, that loses so much of it as chance does not take, or whose
+// torque is explained once scaled.
 bool explains(const ReadAs& one, const Reading& given) {
   const Reading& read = one.reading;
   bool speaks = false;
@@ -178,7 +179,9 @@ bool explains(const ReadAs& one, const Reading& given) {
       if (read.error[j] > std::max(kAsMachines, kSmallPart * given.error[j])) {
         return false;
       }
-      speaks = speaks || given.error[j] > kAsMachines || losesMost(read.error[j], given.error[j]) ||
+      const bool most_goes =
+          read.error[j] < kSmallPart * given.error[j] && losesMost(read.error[j], given.error[j]);
+      speaks = speaks || given.error[j] > kOutOfProportion || most_goes ||
                (one.convention.kind == ConventionKind::kTorqueUnit &&
                 losesMost(read.error_of_torque[j], given.error_of_torque[j]));
     }

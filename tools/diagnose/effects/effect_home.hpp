@@ -23,7 +23,10 @@ struct EffectHome {
   /// Parameters in proportion to which the torque grows. Those of one group grow together.
   std::vector<std::vector<std::string_view>> strengths{};
   std::vector<std::string_view> log_strengths{};  ///< logarithms of what the torque grows in proportion to
-  bool at_rest = false;                           ///< postures at rest show it, too
+  /// Parameter that tells it from plainer effects of the same variable: where it stands at an end of the
+  /// search, the effect is another one.
+  std::string_view distinguished_by{};
+  bool at_rest = false;        ///< postures at rest show it, too
   bool of_patient = false;     ///< of a person's muscles and tissue, which no sliding joint has
   bool of_knee = false;        ///< looked for on knees only; where there may be one: possible.hpp
   bool along_segment = false;  ///< has a place along the joint's segment, which has to have a direction

@@ -58,7 +58,9 @@ Recipe spasticity(const Motion& motion, double direction) {
   Recipe recipe = start("spasticity", motion, {true});
   recipe.variant = direction > 0.0 ? "direction +1" : "direction -1";
   const double rms = motion.velocity_rms;
-  recipe.nonlinear = {{.lower = 0.1 * rms, .upper = 2.0 * rms}, {.lower = 0.0, .upper = 0.1}};
+  // Nerves to the spinal cord and back take 20 ms, from which clocks may take something: what answers at once
+  // is no reflex.
+  recipe.nonlinear = {{.lower = 0.1 * rms, .upper = 2.0 * rms}, {.lower = 0.01, .upper = 0.1}};
   recipe.grid = product({{0.3 * rms, 0.8 * rms, 1.3 * rms}, {0.02, 0.05, 0.08}});
   recipe.parameters = [=](Numbers c, Numbers nu) -> std::vector<double> {
     return Parameters("spasticity")
@@ -162,6 +164,7 @@ std::vector<EffectHome> patientEffects() {
        .what = "A reflex that resists stretch beyond a speed, after a delay.",
        .shows = Shows::kVelocity,
        .strengths = {{"gain_Nms_rad"}},
+       .distinguished_by = "delay_s",
        .of_patient = true,
        .add =
            [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {

@@ -128,6 +128,8 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
   for (EffectFinding& effect : diagnosis.effects) {
     if (effect.asserted() && strengthIsUnknown(effect)) {
       effect.not_asserted_because = kUnknownStrengthWords;
+    } else if (effect.asserted() && mayBeAnother(effect)) {
+      effect.not_asserted_because = kMayBeAnotherWords;
     }
   }
   if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(),

@@ -11,6 +11,7 @@
 
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/declared.hpp"
+#include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -213,6 +214,12 @@ bool strengthIsUnknown(const EffectFinding& effect) {
     }
   }
   return true;
+}
+
+bool mayBeAnother(const EffectFinding& effect) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(), [&](const auto& estimate) {
+    return estimate.at_bound && estimate.name == effectHome(effect.kind).distinguished_by;
+  });
 }
 
 std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDescription& given,

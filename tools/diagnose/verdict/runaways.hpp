@@ -15,6 +15,14 @@ inline constexpr const char* kUnknownStrengthWords = "how large it is the record
 /// interval holds zero or the whole range. No answer rests on such an effect.
 bool strengthIsUnknown(const EffectFinding& effect);
 
+/// Text after "possibly: ", likewise.
+inline constexpr const char* kMayBeAnotherWords =
+    "what distinguishes it from other effects of the same variable stands where the search ends";
+
+/// Whether the parameter that tells the effect from plainer ones (EffectHome::distinguished_by) is at an end
+/// of the search.
+bool mayBeAnother(const EffectFinding& effect);
+
 /// In this order: errors that are larger than the torque, parameters of effects that were found at a bound
 /// of their range or with an interval that holds zero or the whole range, mechanism parameters beyond their
 /// tolerance, and declared effects of `given` that changed beyond theirs or vanished. Tolerances are standard
