@@ -40,8 +40,8 @@ inline constexpr double kOutOfProportion = 0.2;
 inline constexpr double kAsMachines = 0.15;
 /// Share of what the recording as given leaves: chance does not bring a joint below it.
 inline constexpr double kSmallPart = 0.4;
-/// Share of what the recording as given leaves, both beside kFloor: a joint that speaks for a convention has to
-/// leave less where no more than kOutOfProportion was left, and a torque that is scaled less of itself.
+/// Share of what the recording as given leaves, both beside kFloor: a joint that speaks for a convention has
+/// to leave less where no more than kOutOfProportion was left, and a torque that is scaled less of itself.
 inline constexpr double kSpeaks = 0.5;
 /// Share of what the recording as given leaves that a convention may leave, on the mean of the joints.
 inline constexpr double kFarBetter = 0.75;
