@@ -34,9 +34,9 @@ TOP_LEVEL_NAME = re.compile(
     r"|[A-Za-z_].*?\b(\w+)\([^;]*$)", re.MULTILINE)
 
 
-def fail(message, status=1):
+def fail(message):
     print(f"tidy.py: {message}", file=sys.stderr)
-    sys.exit(status)
+    sys.exit(1)
 
 
 class Sources:

@@ -77,20 +77,6 @@ Eigen::MatrixXd polynomial(const Dataset& data, int joint) {
   return columns;
 }
 
-// The joint's speed to the first, second and third power, against the motion, as Columns.
-Eigen::MatrixXd drag(const Dataset& data, int joint) {
-  constexpr int kPowers = 3;
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), kPowers);
-  for (int power = 1; power <= kPowers; ++power) {
-    columns.col(power - 1).segment(joint * data.rows(), data.rows()) =
-        data.variable([=](const Series& series, std::size_t i) {
-          const double velocity = series.states[i].dq[joint];
-          return std::copysign(std::pow(std::abs(velocity), power), velocity);
-        });
-  }
-  return columns;
-}
-
 // Weighted squared error with `columns` in the place of these terms, all other parameters taking up what they
 // can within what is known of them.
 double errorWith(const ModelFit& fit, const std::vector<std::size_t>& terms, const Eigen::MatrixXd& columns) {
@@ -118,11 +104,11 @@ double errorWith(const ModelFit& fit, const std::vector<std::size_t>& terms, con
   return (wanted - all * all.completeOrthogonalDecomposition().solve(wanted)).squaredNorm();
 }
 
-// What `columns` leave in the place of these terms beyond what the terms leave, in the unit of chance.
-double leftBeyond(const ModelFit& fit, const std::vector<std::size_t>& terms,
-                  const Eigen::MatrixXd& columns) {
+// Whether a smooth spring would explain what these terms do about as well.
+bool smoothDoes(const Dataset& data, const ModelFit& fit, const std::vector<std::size_t>& terms, int joint) {
   const double named = fit.weighting->apply(fit.residual).squaredNorm() + fit.prior_residual.squaredNorm();
-  return (errorWith(fit, terms, columns) - named) / (fit.prior_scale * fit.prior_scale);
+  return errorWith(fit, terms, polynomial(data, joint)) - named <
+         rivals::kAlike * fit.prior_scale * fit.prior_scale;
 }
 
 }  // namespace
@@ -159,13 +145,10 @@ std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& se
     const bool tissue = std::any_of(of_position.begin(), of_position.end(), [&](std::size_t t) {
       return selection.fit.terms[t].recipe->kind == "passive_knee_moment";
     });
-    if (bent && (tissue || of_position.size() > 1) &&
-        leftBeyond(selection.fit, of_position, polynomial(data, joint)) < rivals::kAlike) {
+    if (bent && (tissue || of_position.size() > 1) && smoothDoes(data, selection.fit, of_position, joint)) {
       add(of_position, "q");
     }
-    // A drag has as many numbers as a reflex, so the one that leaves less is the better answer.
-    if (reflexes.size() > 1 ||
-        (!reflexes.empty() && leftBeyond(selection.fit, reflexes, drag(data, joint)) < 0.0)) {
+    if (reflexes.size() > 1) {
       add(reflexes, "dq");
     }
   }

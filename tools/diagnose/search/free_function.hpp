@@ -19,7 +19,7 @@ struct FreeFunction {
 
 /// On one joint: a ripple of fewer cycles than make a period plain beside another torque of position, where a
 /// spring that hardens would explain about as much; reflexes against either direction of motion, which add up
-/// to a drag; a reflex of which a drag would leave less.
+/// to a drag.
 std::vector<FreeFunction> freeFunctions(const Dataset& data, const Selection& selection);
 
 }  // namespace patella::diagnose
