@@ -74,7 +74,7 @@ Recording swinging(const Arm& arm_of = {}) {
 }
 
 std::vector<ReadAs> wrongIn(const Recording& recording) {
-  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
   return wrongConventions(reader, reader.asGiven(), columnNames(arm()));
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
 TEST_CASE("a number at the end of its range is none: the best would lie beyond") {
   Recording recording = swinging();
   recording.torque_Nm[1] = later(recording.torque_Nm[1], 52);  // 0.26 s
-  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
   for (const ReadAs& one : readings(reader, reader.asGiven(), columnNames(arm()))) {
     if (one.convention.kind == ConventionKind::kTorqueShift) {
       CAPTURE(one.convention.joint);

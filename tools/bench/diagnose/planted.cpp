@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/fit/torque_timing.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
@@ -350,6 +352,8 @@ class PlantedCases {
   static std::optional<diagnose::Diagnosis> diagnosePlanted(Recording recording,
                                                             const model::ModelDescription& best,
                                                             const PlantedEffect& plant) {
+    recording.torque_timing =
+        diagnose::withTorqueTiming(std::span(&recording, 1), best).front().torque_timing;
     plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
     return decide(recording, best);
   }

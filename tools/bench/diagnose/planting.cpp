@@ -111,6 +111,12 @@ void plantIn(Recording& recording, const PlantedEffect& plant, const model::Mech
           effect->inertia(series.states[i].q) * series.acceleration[i] - effect->torque(series.states[i]);
     }
   }
+  if (recording.torque_timing == diagnose::TorqueTiming::kHeld) {
+    // Row i acts until row i + 1: at the instant itself it would come half a sample late.
+    for (std::size_t i = 0; i + 1 < planted.size(); ++i) {
+      planted[i] = 0.5 * (planted[i] + planted[i + 1]);
+    }
+  }
   // A load on one joint is carried by those before it, too.
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     for (std::size_t i = 0; i < planted.size(); ++i) {

@@ -76,7 +76,7 @@ bool asGood(const ReadAs& one, const ReadAs& best, const Reading& given) {
 
 // Nothing where the best is at an end of the grid: what would explain most lies beyond what the convention
 // means.
-std::optional<ReadAs> bestOn(const Grid& grid, const Reader& reader, const Reading& given,
+std::optional<ReadAs> bestOn(const Grid& grid, Reader& reader, const Reading& given,
                              const std::function<Convention(double)>& convention) {
   std::vector<ReadAs> tried;
   std::vector<double> gains, numbers;
@@ -124,7 +124,7 @@ std::vector<int> eachAndAll(int joints) {
 
 // Units in which the model explains angles better than as given, and that make them smaller: the best, and
 // what is as good; `counts`: those of encoders, too.
-std::vector<Convention> smallerAngles(const Reader& reader, const ColumnNames& names, bool counts) {
+std::vector<Convention> smallerAngles(Reader& reader, const ColumnNames& names, bool counts) {
   const Reading given = reader.asGiven();
   std::vector<ReadAs> better;
   double most = 0.0;
@@ -199,7 +199,7 @@ ColumnNames columnNames(const model::ModelDescription& model) {
   return names;
 }
 
-std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names) {
+std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnNames& names) {
   constexpr Grid kShifts{
       .first = -kFarthestShift_s, .last = kFarthestShift_s, .step = 0.02, .resolution = 2e-3};
   constexpr Grid kZeros{.first = -std::numbers::pi,
@@ -241,7 +241,7 @@ std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const C
   return all;
 }
 
-std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given, const ColumnNames& names) {
+std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const ColumnNames& names) {
   if (!reader.moves() ||
       std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
     return {};
@@ -264,7 +264,7 @@ std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given,
 }
 
 void requireConventions(const Recording& recording, const model::ModelDescription& model) {
-  const Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
+  Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
   const Reading given = reader.asGiven();
   const std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
   if (wrong.empty()) {
@@ -316,8 +316,8 @@ void requireAngles(const Recording& recording, const model::ModelDescription& mo
   // A machine may turn round and round, but not by what the model explains better in another unit.
   if (!recording.is_static) {
     constexpr double kDegrees = 180.0 / std::numbers::pi;
-    smaller = smallerAngles(Reader(Dataset(std::span(&recording, 1), kCoarse), model), names,
-                            largest > kLargestAngle_rad * kDegrees);
+    Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
+    smaller = smallerAngles(reader, names, largest > kLargestAngle_rad * kDegrees);
     if (smaller.empty()) {
       return;
     }

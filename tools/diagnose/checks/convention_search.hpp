@@ -14,13 +14,13 @@ struct ReadAs {
 };
 
 /// Every convention with its reading; zeros, shifts and factors of torque where they explain most.
-std::vector<ReadAs> readings(const Reader& reader, const Reading& given, const ColumnNames& names);
+std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnNames& names);
 
 ColumnNames columnNames(const model::ModelDescription& model);
 
 /// Those that explain the recording far better than it is explained as given, and about as well as effects
 /// explain it: the best, and what is as good; empty where the recording is in the model's own.
-std::vector<ReadAs> wrongConventions(const Reader& reader, const Reading& given, const ColumnNames& names);
+std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const ColumnNames& names);
 
 /// Throws WrongConvention, naming recording, conventions, what the model explains with them and as given,
 /// where there are wrong ones.

@@ -98,12 +98,11 @@ Eigen::VectorXd solveWithin(const Bounded& problem, double power, Eigen::VectorX
 }
 
 // Of what each joint moves, over the motion, kg·m².
-std::vector<double> largestInertia(const Dataset& data, const model::ModelDescription& model) {
-  const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
+std::vector<double> largestInertia(const Dataset& data, const model::Mechanism& mechanism) {
   std::vector<double> largest(static_cast<std::size_t>(data.joints()), 0.0);
   for (const Series& series : data.series()) {
     for (const model::EffectInput& state : series.states) {
-      const JointMatrix inertia = bare.mechanism().inertia(state.q);
+      const JointMatrix inertia = mechanism.inertia(state.q);
       for (std::size_t j = 0; j < largest.size(); ++j) {
         const auto joint = static_cast<Eigen::Index>(j);
         largest[j] = std::max(largest[j], inertia(joint, joint));
@@ -126,29 +125,28 @@ double misfit(const std::vector<double>& error, double floor) {
 Reader::Reader(Dataset data, const model::ModelDescription& model)
     : data_(std::move(data)),
       model_(model),
+      bare_(model::makeModel({.mechanism = model.mechanism, .effects = {}})),
       own_(columnsOf(data_)),
       at_rest_(restOf(own_)),
-      largest_inertia_(largestInertia(data_, model_)) {}
+      largest_inertia_(largestInertia(data_, bare_.mechanism())) {}
 
 Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
-  const model::DynamicsModel bare = model::makeModel({.mechanism = model_.mechanism, .effects = {}});
   Eigen::MatrixXd columns(data.rows() * data.joints(), static_cast<Eigen::Index>(model_.effects.size()));
   for (std::size_t e = 0; e < model_.effects.size(); ++e) {
     const model::EffectDescription& effect = model_.effects[e];
-    columns.col(static_cast<Eigen::Index>(e)) =
-        data.effectTorque(*model::makeEffect(effect.kind, effect.joint, bare.mechanism(), effect.parameters));
+    columns.col(static_cast<Eigen::Index>(e)) = data.effectTorque(
+        *model::makeEffect(effect.kind, effect.joint, bare_.mechanism(), effect.parameters));
   }
   return columns;
 }
 
 Reader::Columns Reader::columnsOf(const Dataset& data) const {
-  const model::DynamicsModel bare = model::makeModel({.mechanism = model_.mechanism, .effects = {}});
-  const model::BaseParameters base = bare.mechanism().baseParameters();
+  const model::BaseParameters base = bare_.mechanism().baseParameters();
   Columns columns;
   const Eigen::MatrixXd declared = declaredOf(data);
   columns.model.resize(declared.rows(), base.size() + declared.cols());
   columns.model.leftCols(base.size()) =
-      data.regressor(bare.mechanism(), JointVector::Zero(data.joints())) * base.asDiagonal();
+      data.regressor(bare_.mechanism(), JointVector::Zero(data.joints())) * base.asDiagonal();
   columns.model.rightCols(declared.cols()) = declared;
   columns.effects = plainColumns(data);
   return columns;
@@ -264,7 +262,26 @@ Reading Reader::asGiven() const {
   return readingOf(data_, own_, false);
 }
 
-Reading Reader::read(const Convention& convention) const {
+// A spring's rest is free, so that plain effects stay as they are.
+Reader::Columns Reader::turned(const Convention& zero) {
+  auto found = shifts_.find(zero.joint);
+  if (found == shifts_.end()) {
+    found = shifts_.emplace(zero.joint, AngleShift(data_, bare_.mechanism(), zero.joint, false)).first;
+  }
+  const model::BaseParameters base = bare_.mechanism().baseParameters();
+  Columns columns = own_;
+  columns.model.leftCols(base.size()) += found->second.at(zero.number) * base.asDiagonal();
+  if (!model_.effects.empty()) {
+    columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) =
+        declaredOf(data_.changed(zero.correct));
+  }
+  return columns;
+}
+
+Reading Reader::read(const Convention& convention) {
+  if (convention.kind == ConventionKind::kZero) {
+    return readingOf(data_, turned(convention), false);
+  }
   const Dataset changed = data_.changed(convention.correct);
   if (!convention.torque_only) {
     return readingOf(changed, columnsOf(changed),

@@ -1,12 +1,15 @@
 // How well a model explains a recording that is read in one convention or another.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "core/model/dynamics_model.hpp"
 #include "core/model/model_description.hpp"
 #include "tools/diagnose/checks/convention.hpp"
+#include "tools/diagnose/fit/angle_shift.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 
 namespace patella::diagnose {
@@ -37,7 +40,7 @@ class Reader {
   Reading asGiven() const;
   /// rms of what a joint's errors are shares of, N·m.
   double load_Nm(int joint) const;
-  Reading read(const Convention& convention) const;
+  Reading read(const Convention& convention);
 
  private:
   enum Freedom { kRubbing, kAllEffects };
@@ -55,6 +58,8 @@ class Reader {
   };
   Columns columnsOf(const Dataset& data) const;
   Eigen::MatrixXd declaredOf(const Dataset& data) const;
+  /// With another zero of one joint that turns.
+  Columns turned(const Convention& zero);
   /// `exchanged`: each joint's position is read in the column of the other.
   Reading readingOf(const Dataset& data, const Columns& columns, bool exchanged) const;
   std::vector<bool> restOf(const Columns& columns) const;
@@ -63,9 +68,11 @@ class Reader {
 
   Dataset data_;
   model::ModelDescription model_;
+  model::DynamicsModel bare_;  ///< its mechanism without effects
   Columns own_;
   std::vector<bool> at_rest_;
   std::vector<double> largest_inertia_;
+  std::map<int, AngleShift> shifts_;  ///< by joint, once another zero of it is tried
 };
 
 }  // namespace patella::diagnose

@@ -3,38 +3,56 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Dense>
+
 namespace patella::diagnose {
 namespace {
 
-constexpr int kNodes = 8;
+constexpr int kOrder = 3;
+constexpr double kFarthestSlide_m = 0.3;
+
+// Of which the regressor consists.
+Eigen::VectorXd functionsOf(double offset, bool slides) {
+  Eigen::VectorXd values(slides ? kOrder + 1 : 2 * kOrder + 1);
+  values[0] = 1.0;
+  for (int k = 1; k <= kOrder; ++k) {
+    if (slides) {
+      values[k] = values[k - 1] * offset;
+    } else {
+      values[2 * k - 1] = std::cos(k * offset);
+      values[2 * k] = std::sin(k * offset);
+    }
+  }
+  return values;
+}
+
+// As many offsets as there are functions: round the circle, or evenly along the slide.
+Eigen::VectorXd offsetsTried(bool slides) {
+  const int count = static_cast<int>(functionsOf(0.0, slides).size());
+  return slides ? Eigen::VectorXd(Eigen::VectorXd::LinSpaced(count, -kFarthestSlide_m, kFarthestSlide_m))
+                : Eigen::VectorXd(2.0 * std::numbers::pi / count *
+                                  Eigen::VectorXd::LinSpaced(count, 0.0, count - 1.0));
+}
 
 }  // namespace
 
-AngleShift::AngleShift(const Dataset& data, const model::Mechanism& mechanism, int joint) {
-  JointVector offset_rad = JointVector::Zero(data.joints());
-  const Eigen::MatrixXd unshifted = data.regressor(mechanism, offset_rad);
-  for (int node = 0; node < kNodes; ++node) {
-    const double turn = (node + 0.5) * std::numbers::pi / kNodes;
-    angles_rad_.push_back(kFarthest_rad * std::cos(turn));
-    weights_.push_back((node % 2 == 0 ? 1.0 : -1.0) * std::sin(turn));
-    offset_rad[joint] = angles_rad_.back();
-    shifts_.emplace_back(data.regressor(mechanism, offset_rad) - unshifted);
+AngleShift::AngleShift(const Dataset& data, const model::Mechanism& mechanism, int joint, bool slides)
+    : slides_(slides), rows_(data.rows() * data.joints()) {
+  const Eigen::VectorXd offsets = offsetsTried(slides);
+  Eigen::MatrixXd functions(offsets.size(), offsets.size());
+  Eigen::MatrixXd regressors(rows_ * mechanism.baseParameterCount(), offsets.size());
+  for (Eigen::Index i = 0; i < offsets.size(); ++i) {
+    JointVector offset = JointVector::Zero(data.joints());
+    offset[joint] = offsets[i];
+    functions.col(i) = functionsOf(offsets[i], slides);
+    regressors.col(i) = data.regressor(mechanism, offset).reshaped();
   }
+  parts_ = regressors * functions.inverse();
 }
 
-Eigen::MatrixXd AngleShift::at(double angle_rad) const {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(shifts_.front().rows(), shifts_.front().cols());
-  double total = 0.0;
-  for (std::size_t node = 0; node < shifts_.size(); ++node) {
-    const double apart_rad = angle_rad - angles_rad_[node];
-    if (apart_rad == 0.0) {
-      return shifts_[node];
-    }
-    const double share = weights_[node] / apart_rad;
-    sum += share * shifts_[node];
-    total += share;
-  }
-  return sum / total;
+Eigen::MatrixXd AngleShift::at(double offset) const {
+  const Eigen::VectorXd change = functionsOf(offset, slides_) - functionsOf(0.0, slides_);
+  return (parts_ * change).reshaped(rows_, parts_.rows() / rows_);
 }
 
 }  // namespace patella::diagnose

@@ -1,8 +1,6 @@
 // Change of a mechanism's regressor by an encoder's offset, as a function of the offset.
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 
 #include "core/model/mechanism.hpp"
@@ -10,24 +8,23 @@
 
 namespace patella::diagnose {
 
-/// A fit asks for hundreds of angles that hardly differ, and each regressor has to be filtered. As a function
-/// of the angle it consists of sines and cosines of it, so that a polynomial through eight angles gives any
-/// other to 1e-10 of its size within kFarthest_rad (Chebyshev nodes, barycentric form: Berrut and Trefethen,
-/// SIAM Review 46, 2004).
+/// Hundreds of offsets are tried, and each regressor has to be evaluated and filtered. In axes that turn with
+/// the joint, motion and weight of what comes before it are linear in sine and cosine of the offset, and
+/// wrenches quadratic in the motion; turning them back to an earlier joint is once more linear. So the
+/// regressor is a trigonometric polynomial of order 3, and seven offsets give any other. Where the joint
+/// slides, it is a polynomial of order 3, and four are enough.
 class AngleShift {
  public:
-  static constexpr double kFarthest_rad = 0.3;
-
   /// `data` and `mechanism` have to last while it is constructed only.
-  AngleShift(const Dataset& data, const model::Mechanism& mechanism, int joint);
+  AngleShift(const Dataset& data, const model::Mechanism& mechanism, int joint, bool slides);
 
-  /// regressor(q + angle on the joint) − regressor(q), as Columns; |angle| ≤ kFarthest_rad.
-  Eigen::MatrixXd at(double angle_rad) const;
+  /// regressor(q + offset on the joint) − regressor(q), as Columns; rad or m.
+  Eigen::MatrixXd at(double offset) const;
 
  private:
-  std::vector<double> angles_rad_;
-  std::vector<double> weights_;
-  std::vector<Eigen::MatrixXd> shifts_;
+  bool slides_;
+  Eigen::Index rows_;
+  Eigen::MatrixXd parts_;  ///< regressor that goes with each function of the offset, as one column
 };
 
 }  // namespace patella::diagnose

@@ -119,12 +119,14 @@ class ModelFitter::Cost final : public ceres::CostFunction {
 
 ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nominal,
                          const FitOptions& options)
-    : data_(&data), nominal_(nominal), options_(options) {
-  const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal.mechanism, .effects = {}});
-  regressor_ = data.regressor(dynamics.mechanism(), JointVector::Zero(data.joints()));
+    : data_(&data),
+      nominal_(nominal),
+      bare_(model::makeModel({.mechanism = nominal.mechanism, .effects = {}})),
+      options_(options) {
+  regressor_ = data.regressor(bare_.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
   mechanism_ = mechanismParameters(nominal.mechanism, torque_.isZero(0.0));
-  for (const double load_Nm : loads_Nm(data, torque_, regressor_, dynamics.mechanism().baseParameters())) {
+  for (const double load_Nm : loads_Nm(data, torque_, regressor_, bare_.mechanism().baseParameters())) {
     least_torque_Nm_.push_back(accepted::kLeastOfLoad * load_Nm);
   }
   fixed_torque_ = Eigen::VectorXd::Zero(torque_.size());
@@ -169,8 +171,7 @@ void ModelFitter::addDeclared(const model::ModelDescription& nominal) {
     } else {
       fixed_.push_back(effect);
       model::DynamicsModel whole = model::makeModel({.mechanism = nominal.mechanism, .effects = {effect}});
-      model::DynamicsModel bare = model::makeModel({.mechanism = nominal.mechanism, .effects = {}});
-      fixed_torque_ += data_->modelTorque(whole) - data_->modelTorque(bare);
+      fixed_torque_ += data_->modelTorque(whole) - data_->modelTorque(bare_);
     }
   }
 }
@@ -178,8 +179,10 @@ void ModelFitter::addDeclared(const model::ModelDescription& nominal) {
 Eigen::MatrixXd ModelFitter::shift(int joint, double angle_rad) {
   auto found = shifts_.find(joint);
   if (found == shifts_.end()) {
-    const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
-    found = shifts_.emplace(joint, AngleShift(*data_, dynamics.mechanism(), joint)).first;
+    found = shifts_
+                .emplace(joint, AngleShift(*data_, bare_.mechanism(), joint,
+                                           model::isPrismatic(nominal_.mechanism, joint)))
+                .first;
   }
   return found->second.at(angle_rad);
 }
@@ -218,17 +221,15 @@ Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double>
     column.col(0).segment(recipe.joint * rows, rows) = -nominal_torque_.segment(recipe.joint * rows, rows);
     return column;
   }
-  const model::DynamicsModel dynamics = model::makeModel({.mechanism = nominal_.mechanism, .effects = {}});
   if (recipe.shifts_angle) {
-    return shift(recipe.joint, nu[0]) * dynamics.mechanism().baseParameters();
+    return shift(recipe.joint, nu[0]) * bare_.mechanism().baseParameters();
   }
   return cached(cacheKey(recipe, nu), [&] {
     const auto bases = recipe.basis(nu);
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));
     for (std::size_t i = 0; i < bases.size(); ++i) {
       for (const BasisTerm& term : bases[i]) {
-        const auto effect =
-            model::makeEffect(recipe.kind, recipe.joint, dynamics.mechanism(), term.parameters);
+        const auto effect = model::makeEffect(recipe.kind, recipe.joint, bare_.mechanism(), term.parameters);
         columns.col(static_cast<Eigen::Index>(i)) +=
             term.weight *
             (recipe.by_asked_torque ? data_->askedEffectTorque(*effect) : data_->effectTorque(*effect));

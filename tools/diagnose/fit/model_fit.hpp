@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/dynamics_model.hpp"
 #include "core/model/model_description.hpp"
 #include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/fit/angle_shift.hpp"
@@ -113,6 +114,7 @@ class ModelFitter {
 
   const Dataset* data_;
   model::ModelDescription nominal_;
+  model::DynamicsModel bare_;  ///< the nominal mechanism without effects
   FitOptions options_;
   std::unique_ptr<MechanismParameters> mechanism_;
   std::vector<double> least_torque_Nm_;

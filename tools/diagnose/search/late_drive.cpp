@@ -33,6 +33,12 @@ std::vector<std::shared_ptr<const Recipe>> byWholeTorque(
   return changed;
 }
 
+double lowestRate_Hz(std::span<const Recording> recordings) {
+  return std::min_element(recordings.begin(), recordings.end(),
+                          [](const Recording& a, const Recording& b) { return a.rate_Hz < b.rate_Hz; })
+      ->rate_Hz;
+}
+
 }  // namespace
 
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
@@ -65,15 +71,17 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
       continue;
     }
     const Term& term = found.fit.terms.back();
+    const std::vector<double> parameters = ModelFitter::effectParameters(term);
+    if (parameters.front() < late_drive::kLeastPeriods / lowestRate_Hz(recordings)) {
+      continue;
+    }
     if (jointRms(data, found.fit.residual, joint) >
         std::sqrt(1.0 - late_drive::kMaterial) * jointRms(data, nominal.residual, joint)) {
       continue;
     }
     const Eigen::MatrixXd covariance =
         parameterCovariance(data, found.fit, selection.replicates, selection.seed);
-    late.push_back({.effect = {.kind = term.recipe->kind,
-                               .joint = joint,
-                               .parameters = ModelFitter::effectParameters(term)},
+    late.push_back({.effect = {.kind = term.recipe->kind, .joint = joint, .parameters = parameters},
                     .estimate = estimates(found.fit, covariance, found.fit.terms.size() - 1).front(),
                     .evidence = found.evidence.back()});
   }
