@@ -7,7 +7,7 @@ namespace patella::model {
 namespace {
 
 constexpr double kShortestSubstep_s = 25e-6;
-constexpr double kLongestSubstep_s = 2e-3;
+constexpr double kLongestSubstep_s = 500e-6;
 constexpr double kSubstepAngle_rad = 0.15;
 constexpr double kMostSubsteps = 2000.0;
 constexpr double kWeight = 0.51;
