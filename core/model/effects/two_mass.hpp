@@ -14,6 +14,12 @@ struct TwoMassParameters {
   bool pulls = true;                 ///< a spring; otherwise two contacts, which can only push
 };
 
+/// One end of the spring.
+struct TwoMassSide {
+  double angle_rad = 0.0;
+  double rate_rad_s = 0.0;
+};
+
 /// The link's motion is measured, the motor's is the memory: rotor ddθ = drive torque − T, with T transmitted
 /// to the link. Along a step the link moves on the cubic through the angles and rates at its ends.
 ///
@@ -32,19 +38,14 @@ class TwoMass {
   void reset(const EffectInput& input) noexcept;
 
  private:
-  struct Side {
-    double angle_rad = 0.0;
-    double rate_rad_s = 0.0;
-  };
-
-  Side linkOf(const EffectInput& input) const noexcept { return {input.q[joint_], input.dq[joint_]}; }
-  Side motorAfter(const EffectInput& input, double dt_s) const noexcept;
+  TwoMassSide linkOf(const EffectInput& input) const noexcept { return {input.q[joint_], input.dq[joint_]}; }
+  TwoMassSide motorAfter(const EffectInput& input, double dt_s) const noexcept;
 
   int joint_;
   TwoMassParameters parameters_;
   double substep_s_;
-  Side motor_;
-  Side link_;
+  TwoMassSide motor_;
+  TwoMassSide link_;
   double drive_Nm_ = 0.0;
   MemoryTime time_;
 };
