@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include "tools/diagnose/checks/convention_search.hpp"
@@ -73,6 +74,37 @@ Recording swinging(const Arm& arm_of = {}) {
   return recording;
 }
 
+// The same arm, driven at its shoulder only. The second torque's zero is off.
+Recording halfDriven(double bias_Nm) {
+  constexpr int kSteps = 20;  // a row
+  constexpr double kRate_Hz = 200.0, kStep_s = 1.0 / (kRate_Hz * kSteps), kFriction_Nms_rad = 0.005;
+  const model::DynamicsModel dynamics = model::makeModel(arm());
+  const model::Mechanism& body = dynamics.mechanism();
+  Recording recording;
+  recording.name = "acrobot.csv";
+  recording.rate_Hz = kRate_Hz;
+  recording.joints = 2;
+  recording.torque_timing = TorqueTiming::kSampled;
+  JointVector q(2), dq = JointVector::Zero(2), torque = JointVector::Zero(2);
+  q << -0.5 * kPi, 1.2;
+  for (int step = 0; step < 2400 * kSteps; ++step) {
+    const double t = step * kStep_s;
+    torque[0] = 0.6 * std::sin(2.0 * kPi * 0.7 * t) + 0.5 * std::sin(2.0 * kPi * 1.1 * t);
+    if (step % kSteps == 0) {
+      recording.time_s.push_back(t);
+      for (int joint = 0; joint < 2; ++joint) {
+        recording.position_rad[static_cast<std::size_t>(joint)].push_back(q[joint]);
+        recording.torque_Nm[static_cast<std::size_t>(joint)].push_back(torque[joint] + joint * bias_Nm);
+      }
+    }
+    const JointVector free = torque - body.coriolis(q, dq) * dq - body.gravity(q) - kFriction_Nms_rad * dq;
+    dq += kStep_s * JointVector(Eigen::MatrixXd(body.inertia(q)).inverse() * free);
+    q += kStep_s * dq;
+  }
+  recording.segments = {{.first = 0, .end = recording.rows()}};
+  return recording;
+}
+
 std::vector<ReadAs> wrongIn(const Recording& recording) {
   Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
   return wrongConventions(reader, reader.asGiven(), columnNames(arm()));
@@ -108,6 +140,13 @@ TEST_CASE("a motor's inertia that the model lacks is no wrong convention") {
   CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.1})).empty());
   CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.03, .second_line = 0.0})).empty());
   CHECK(wrongIn(swinging({.rotor_kg_m2 = 0.1, .second_line = 0.0})).empty());
+}
+
+TEST_CASE("a bias on a joint that swings freely is no torque in another unit") {
+  for (const double bias_Nm : {0.1, 0.2, 0.4, 0.8}) {
+    CAPTURE(bias_Nm);
+    CHECK(wrongIn(halfDriven(bias_Nm)).empty());
+  }
 }
 
 TEST_CASE(

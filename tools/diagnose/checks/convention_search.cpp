@@ -39,9 +39,9 @@ bool concerns(const Convention& convention, std::size_t joint) {
 }
 
 // The smaller a torque is, the less there is to leave: one that is scaled has to be explained far better
-// itself, or what was left to be out of all proportion to the load.
+// itself, or what was left, beside plain effects too, to be out of all proportion to the load.
 bool explainsItself(const ReadAs& one, const Reading& given) {
-  if (gain(given.error, one.reading.error, kOutOfProportion) > -std::log(kSpeaks)) {
+  if (gain(given.error_with_effects, one.reading.error, kOutOfProportion) > -std::log(kSpeaks)) {
     return true;
   }
   for (std::size_t j = 0; j < given.error_of_torque.size(); ++j) {
