@@ -3,10 +3,12 @@
 #include <cmath>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "core/model/presets.hpp"
 #include "tests/unit/diagnose/chain_recordings.hpp"
 #include "tests/unit/model/chains.hpp"
+#include "tools/diagnose/checks/convention.hpp"
 #include "tools/diagnose/diagnose.hpp"
 
 using namespace patella;
@@ -90,6 +92,18 @@ TEST_CASE("a leg written as a chain has the leg's verdict and effects") {
       REQUIRE(same != as_leg.effects.end());
       CHECK(effect.parameters.front().value == doctest::Approx(same->parameters.front().value).epsilon(0.03));
     }
+  }
+}
+
+TEST_CASE("columns of any two joints that were exchanged are named") {
+  const model::SerialChainParameters chain = arm(4);
+  for (const auto& [first, second] : {std::pair{1UL, 2UL}, {0UL, 3UL}}) {
+    Recording recording = moved({.mechanism = chain, .effects = {}}, 20.0, 0.02);
+    std::swap(recording.position_rad[first], recording.position_rad[second]);
+    std::swap(recording.torque_Nm[first], recording.torque_Nm[second]);
+    const std::string said = fmt::format("joints {} and {} are swapped", first + 1, second + 1);
+    CHECK_THROWS_WITH_AS(diagnosed(recording, wrong(chain), kPlain), doctest::Contains(said.c_str()),
+                         WrongConvention);
   }
 }
 

@@ -164,7 +164,10 @@ class Draw {
                            }
                          }
                        },
-                   .is = [=](const Convention& c) { return c.kind == kind; }};
+                   .is =
+                       [=](const Convention& c) {
+                         return c.kind == kind && c.exchanged == std::array{0, 1};
+                       }};
   }
 
   std::optional<Mistake> degrees() const {

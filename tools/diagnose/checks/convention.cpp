@@ -87,8 +87,10 @@ class Known {
       signs(joint);
       columns(joint);
     }
-    if (names_.joints == 2) {
-      betweenJoints();
+    for (int first = 0; first < names_.joints; ++first) {
+      for (int second = first + 1; second < names_.joints; ++second) {
+        betweenJoints(first, second);
+      }
     }
     absoluteAngles();
     return std::move(all_);
@@ -194,18 +196,26 @@ class Known {
     all_.push_back(std::move(convention));
   }
 
-  void betweenJoints() {
-    JointMatrix exchanged(2, 2);
-    exchanged << 0.0, 1.0, 1.0, 0.0;
+  void betweenJoints(int first, int second) {
+    JointMatrix exchanged = unit();
+    exchanged.row(first).swap(exchanged.row(second));
+    const auto swapped = [&](ConventionKind kind, const std::string& what, const std::string& change) {
+      Convention convention = named(kind, kAll, what + " are swapped", change);
+      convention.exchanged = {first, second};
+      return convention;
+    };
+    const auto pair = [&](auto name) { return name(first) + " and " + name(second); };
+    const auto position = [this](int joint) { return names_.position(joint); };
+    const auto torque = [this](int joint) { return names_.torque(joint); };
+    const std::string q_for_q = fmt::format("{} for {}", q(second), q(first));
+    const std::string tau_for_tau = fmt::format("{} for {}", tau(second), tau(first));
+    addPositions(swapped(ConventionKind::kPositionsExchanged, pair(position), q_for_q), exchanged, unit());
+    addTorques(swapped(ConventionKind::kTorquesExchanged, pair(torque), tau_for_tau), exchanged);
     addPositions(
-        named(ConventionKind::kPositionsExchanged, kAll, "q1_rad and q2_rad are swapped", "q2 for q1"),
-        exchanged, unit());
-    addTorques(
-        named(ConventionKind::kTorquesExchanged, kAll, "tau1_Nm and tau2_Nm are swapped", "tau2 for tau1"),
-        exchanged);
-    addPositions(named(ConventionKind::kJointsExchanged, kAll, "the joints are swapped",
-                       "q2 for q1 and tau2 for tau1"),
-                 exchanged, exchanged);
+        swapped(ConventionKind::kJointsExchanged,
+                names_.joints == 2 ? "the joints" : fmt::format("joints {} and {}", first + 1, second + 1),
+                q_for_q + " and " + tau_for_tau),
+        exchanged, exchanged);
   }
 
   // All angles but the first, which each count from the segment before.

@@ -33,8 +33,9 @@ struct Convention {
   double number = 0.0;  ///< recorded per right unit; right less recorded zero, rad; torque too late, s
   /// The number that explains as much, where it was searched for.
   std::array<double, 2> range{};
-  std::string mistake{};  ///< "q2_rad is in degrees"
-  std::string change{};   ///< "q2·π/180": what would put it right
+  std::array<int, 2> exchanged{-1, -1};  ///< joints whose columns are read for each other
+  std::string mistake{};                 ///< "q2_rad is in degrees"
+  std::string change{};                  ///< "q2·π/180": what would put it right
   std::function<void(Series&)> correct{};
   bool torque_only = false;  ///< positions stay as they are
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -14,6 +15,9 @@ namespace patella::diagnose {
 namespace {
 
 using namespace convention;
+
+/// No column of a position is read for another.
+constexpr std::array<int, 2> kInOrder{-1, -1};
 
 /// Plain effects of a joint: those of elementaryColumns() in their order, and the inertia of its motor.
 enum Plain { kViscous, kCoulomb, kStiffness, kBias, kRotor, kPlainKinds };
@@ -212,7 +216,14 @@ std::vector<double> Reader::errorOf(const std::vector<Sums>& sums, Freedom freed
   return error;
 }
 
-Reading Reader::readingOf(const Dataset& data, const Columns& columns, bool exchanged) const {
+Reading Reader::readingOf(const Dataset& data, const Columns& columns,
+                          const std::array<int, 2>& exchanged) const {
+  // Place of the column in which each joint's position is read.
+  std::vector<std::size_t> place(at_rest_.size());
+  std::iota(place.begin(), place.end(), std::size_t{0});
+  if (exchanged[0] >= 0) {
+    std::swap(place[static_cast<std::size_t>(exchanged[0])], place[static_cast<std::size_t>(exchanged[1])]);
+  }
   const std::vector<Sums> sums = sumsOf(columns, data.driveTorque());
   Reading reading{.error = errorOf(sums, kRubbing),
                   .error_of_torque = {},
@@ -221,14 +232,16 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns, bool exch
   for (std::size_t j = 0; j < reading.error.size(); ++j) {
     const double left_Nm = reading.error[j] * sums[j].load;
     reading.error_of_torque.push_back(std::min(1.0, left_Nm / std::max(1e-12, std::sqrt(sums[j].power))));
-    if (rest[j] && at_rest_[exchanged ? rest.size() - 1 - j : j]) {
+    if (rest[j] && at_rest_[place[j]]) {
       reading.error[j] = reading.error_with_effects[j] = 0.0;
     }
   }
-  if (exchanged && std::find(at_rest_.begin(), at_rest_.end(), true) != at_rest_.end()) {
+  if (exchanged[0] >= 0 && std::find(at_rest_.begin(), at_rest_.end(), true) != at_rest_.end()) {
     // The column that moves is compared with itself.
-    std::reverse(reading.error.begin(), reading.error.end());
-    std::reverse(reading.error_with_effects.begin(), reading.error_with_effects.end());
+    const auto [first, second] = exchanged;
+    for (std::vector<double>* errors : {&reading.error, &reading.error_with_effects}) {
+      std::swap((*errors)[static_cast<std::size_t>(first)], (*errors)[static_cast<std::size_t>(second)]);
+    }
   }
   return reading;
 }
@@ -259,7 +272,7 @@ double Reader::load_Nm(int joint) const {
 }
 
 Reading Reader::asGiven() const {
-  return readingOf(data_, own_, false);
+  return readingOf(data_, own_, kInOrder);
 }
 
 // A spring's rest is free, so that plain effects stay as they are.
@@ -280,20 +293,18 @@ Reader::Columns Reader::turned(const Convention& zero) {
 
 Reading Reader::read(const Convention& convention) {
   if (convention.kind == ConventionKind::kZero) {
-    return readingOf(data_, turned(convention), false);
+    return readingOf(data_, turned(convention), kInOrder);
   }
   const Dataset changed = data_.changed(convention.correct);
   if (!convention.torque_only) {
-    return readingOf(changed, columnsOf(changed),
-                     convention.kind == ConventionKind::kPositionsExchanged ||
-                         convention.kind == ConventionKind::kJointsExchanged);
+    return readingOf(changed, columnsOf(changed), convention.exchanged);
   }
   if (model_.effects.empty()) {
-    return readingOf(changed, own_, false);
+    return readingOf(changed, own_, kInOrder);
   }
   Columns columns = own_;
   columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
-  return readingOf(changed, columns, false);
+  return readingOf(changed, columns, kInOrder);
 }
 
 }  // namespace patella::diagnose

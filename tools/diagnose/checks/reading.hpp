@@ -1,6 +1,7 @@
 // How well a model explains a recording that is read in one convention or another.
 #pragma once
 
+#include <array>
 #include <map>
 #include <vector>
 
@@ -60,8 +61,8 @@ class Reader {
   Eigen::MatrixXd declaredOf(const Dataset& data) const;
   /// With another zero of one joint that turns.
   Columns turned(const Convention& zero);
-  /// `exchanged`: each joint's position is read in the column of the other.
-  Reading readingOf(const Dataset& data, const Columns& columns, bool exchanged) const;
+  /// `exchanged`: as in Convention, of positions.
+  Reading readingOf(const Dataset& data, const Columns& columns, const std::array<int, 2>& exchanged) const;
   std::vector<bool> restOf(const Columns& columns) const;
   std::vector<Sums> sumsOf(const Columns& columns, const Column& torque) const;
   std::vector<double> errorOf(const std::vector<Sums>& sums, Freedom freedom) const;
