@@ -14,7 +14,7 @@ seconds=${1:?usage: tests/fuzz/run.sh SECONDS|short|merge [TARGET...]}
 [[ $seconds =~ ^([0-9]+|short|merge)$ ]] || { echo "tests/fuzz/run.sh: '$seconds', expected whole seconds, short or merge" >&2; exit 1; }
 shift
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(dbc data_sheet candump replay safetensors seal configuration bus_map model tick viewer)
+[ ${#targets[@]} -gt 0 ] || targets=(model configuration bus_map seal data_sheet tick dbc candump replay safetensors viewer)
 
 probe=$(mktemp -d)
 trap 'rm -rf "$probe"' EXIT
@@ -49,23 +49,25 @@ words() {
   cat $(seeds "$1") tests/fuzz/corpus/"$1"/* | grep -aoE '[A-Za-z_][A-Za-z_0-9]{2,30}' | sort -u | head -1000 |
     sed 's/.*/"&"/'
 }
-status=0
-for target in "${targets[@]}"; do
-  program=build/fuzz/tests/fuzz/fuzz_$target
-  tree=tests/fuzz/corpus/$target
-  new=build/fuzz/corpus/$target
-  findings=build/fuzz/findings/$target
-  log=build/fuzz/$target.log
+# Runs one target.
+fuzz() {
+  local target=$1
+  local program=build/fuzz/tests/fuzz/fuzz_$target
+  local tree=tests/fuzz/corpus/$target
+  local new=build/fuzz/corpus/$target
+  local findings=build/fuzz/findings/$target
+  local log=build/fuzz/$target.log
+  local limits dictionary started used executed found covered seed
   mkdir -p "$new" "$findings"
   if [ "$seconds" = merge ]; then
     mkdir "$probe/$target"
     find "$tree" -type f -regextype egrep -not -regex '.*/[0-9a-f]{40}' -exec cp {} "$probe/$target" \;
     "$program" -set_cover_merge=1 -use_counters=0 -max_len="$(kept "$target")" "$probe/$target" "$tree" "$new" >"$log" 2>&1 ||
-      { tail -40 "$log"; exit 1; }
+      { tail -40 "$log"; return 1; }
     rm -rf "$tree"
     cp -r "$probe/$target" "$tree"
     echo "$target: $(find "$tree" -type f | wc -l) inputs, $(du -sb --apparent-size "$tree" | cut -f1) bytes"
-    continue
+    return 0
   fi
   if [ "$seconds" = short ]; then
     new=$probe/$target
@@ -87,18 +89,32 @@ for target in "${targets[@]}"; do
     [ "$seconds" = short ] || limits=(-max_total_time=$((seconds - used)))
     { time "$program" "${limits[@]}" -timeout=60 -rss_limit_mb=2048 -max_len="$(longest "$target")" \
       "${dictionary[@]}" -artifact_prefix="$findings/" -print_final_stats=1 "$new" "$tree" >"$log" 2>&1; } \
-      2>"$probe/time" || { found=yes; break; }
-    used=$((used + $(tail -1 "$probe/time" | awk '{ printf "%.0f", $1 + $2 }')))
+      2>"$probe/$target.time" || { found=yes; break; }
+    used=$((used + $(tail -1 "$probe/$target.time" | awk '{ printf "%.0f", $1 + $2 }')))
     executed=$((executed + $(grep -aoE 'number_of_executed_units: *[0-9]+' "$log" | grep -oE '[0-9]+$')))
     [ "$seconds" != short ] && [ $((seconds - used)) -ge 5 ] || break
   done
-  if [ "$found" = no ]; then
-    covered=$(grep -aoE 'cov: [0-9]+ ft: [0-9]+' "$log" | tail -1)
-    echo "$target: $executed executions in $(($(date +%s) - started)) s, processor $used s, $covered"
-  else
+  if [ "$found" = yes ]; then
     tail -40 "$log"
     echo "FOUND: $target, see $findings" >&2
-    status=1
+    return 1
   fi
+  covered=$(grep -aoE 'cov: [0-9]+ ft: [0-9]+' "$log" | tail -1)
+  echo "$target: $executed executions in $(($(date +%s) - started)) s, processor $used s, $covered"
+}
+
+# As many at once as there are processors.
+status=0 running=0
+for target in "${targets[@]}"; do
+  if [ "$running" -ge "$(nproc)" ]; then
+    wait -n || status=1
+    running=$((running - 1))
+  fi
+  fuzz "$target" &
+  running=$((running + 1))
+done
+while [ "$running" -gt 0 ]; do
+  wait -n || status=1
+  running=$((running - 1))
 done
 exit $status
