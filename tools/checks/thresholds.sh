@@ -40,7 +40,7 @@ fail() {
 
 # Filters, grids, floors of divisions, windows, units and pictures: ROOM/NAME.
 numerics="
-fit/kDifference fit/kFarthest_rad fit/kLargestLogarithm fit/kLargest_rad fit/kNextToNothing fit/kRelativeStep
+fit/kDifference fit/kFarthestSlide_m fit/kLargestLogarithm fit/kLargest_rad fit/kNextToNothing fit/kRelativeStep
 fit/kRounding fit/kSimulationWindow_s
 checks/kAny checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDelay_s checks/kLongestLag_s
 checks/kMillisecond checks/kPercent checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns

@@ -33,17 +33,20 @@ inline constexpr double kOtherLeg = 2.5;
 /// Share of a joint's load that the best models of machines leave: less counts as this much.
 inline constexpr double kFloor = 0.05;
 /// Share of a joint's load: more than this left is out of proportion for a model of the machine. A joint that
-/// leaves no more as given speaks for a convention only by kSmallPart.
+/// leaves no more as given speaks for a convention only by kSmallPart, or by leaving less than plain effects
+/// do.
 inline constexpr double kOutOfProportion = 0.2;
 /// Share of the load that machines leave of their models. A convention may leave as much on each joint that
-/// it changes; where it leaves more, kSmallPart decides.
+/// it changes; where it leaves more, kSmallPart decides. A torque that is scaled has to gain on plain effects
+/// beside this floor.
 inline constexpr double kAsMachines = 0.15;
 /// Share of what the recording as given leaves: chance does not bring a joint below it.
 inline constexpr double kSmallPart = 0.4;
 /// Share of what the recording as given leaves, both beside kFloor: a joint that speaks for a convention has
 /// to leave less where no more than kOutOfProportion was left, and a torque that is scaled less of itself.
 inline constexpr double kSpeaks = 0.5;
-/// Share of what the recording as given leaves that a convention may leave, on the mean of the joints.
+/// Share of what the recording as given leaves that a convention may leave, on the mean of the joints. The
+/// same share of what plain effects leave of a joint.
 inline constexpr double kFarBetter = 0.75;
 /// Share that a convention gains, in logarithms, of what effects gain on the recording as given: effects have
 /// several numbers for each joint, a convention has one at most.

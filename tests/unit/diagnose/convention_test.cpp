@@ -248,6 +248,18 @@ TEST_CASE("a joint without torque is judged by its load") {
   CHECK(reader.load_Nm(1) > 0.1);
 }
 
+TEST_CASE("a torque that is made larger leaves no smaller share of the load") {
+  const Recording recording = swinging();
+  Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+  const Reading given = reader.asGiven();
+  for (const Convention& unit : torqueUnits(columnNames(arm()), 1)) {
+    CAPTURE(unit.change);
+    const Reading read = reader.read(unit);
+    CHECK(read.load_Nm[1] <= (1.0 + 1e-12) * reader.load_Nm(1));
+    CHECK((unit.number > 1.0 || read.error[1] > given.error[1]));
+  }
+}
+
 TEST_CASE("a joint at rest says nothing of itself") {
   Recording recording = swinging();
   map(recording.position_rad[1], [](double) { return 0.2; });

@@ -41,7 +41,7 @@ bool concerns(const Convention& convention, std::size_t joint) {
 // The smaller a torque is, the less there is to leave: one that is scaled has to be explained far better
 // itself, or what was left, beside plain effects too, to be out of all proportion to the load.
 bool explainsItself(const ReadAs& one, const Reading& given) {
-  if (gain(given.error_with_effects, one.reading.error, kOutOfProportion) > -std::log(kSpeaks)) {
+  if (gain(given.error_with_effects, one.reading.error, kAsMachines) > -std::log(kSpeaks)) {
     return true;
   }
   for (std::size_t j = 0; j < given.error_of_torque.size(); ++j) {
@@ -169,8 +169,8 @@ bool losesMost(double read, double given) {
 }
 
 // Every joint that the convention changes is explained by it. And some joint speaks for it: one of which more
-// is left than a model of the machine would leave, that loses so much of it as chance does not take, or whose
-// torque is explained once scaled.
+// is left than a model of the machine would leave, that loses so much of it as chance does not take, or more
+// than to plain effects, or whose torque is explained once scaled.
 bool explains(const ReadAs& one, const Reading& given) {
   const Reading& read = one.reading;
   bool speaks = false;
@@ -181,7 +181,11 @@ bool explains(const ReadAs& one, const Reading& given) {
       }
       const bool most_goes =
           read.error[j] < kSmallPart * given.error[j] && losesMost(read.error[j], given.error[j]);
-      speaks = speaks || given.error[j] > kOutOfProportion || most_goes ||
+      // A drive that is late is no plain effect, and explains what a shift does.
+      const bool beyond_effects =
+          one.convention.kind != ConventionKind::kTorqueShift &&
+          std::hypot(read.error[j], kFloor) < kFarBetter * std::hypot(given.error_with_effects[j], kFloor);
+      speaks = speaks || given.error[j] > kOutOfProportion || most_goes || beyond_effects ||
                (one.convention.kind == ConventionKind::kTorqueUnit &&
                 losesMost(read.error_of_torque[j], given.error_of_torque[j]));
     }

@@ -132,7 +132,8 @@ Reader::Reader(Dataset data, const model::ModelDescription& model)
       bare_(model::makeModel({.mechanism = model.mechanism, .effects = {}})),
       own_(columnsOf(data_)),
       at_rest_(restOf(own_)),
-      largest_inertia_(largestInertia(data_, bare_.mechanism())) {}
+      largest_inertia_(largestInertia(data_, bare_.mechanism())),
+      own_load_Nm_(loadsOf(sumsOf(own_, data_.driveTorque()))) {}
 
 Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
   Eigen::MatrixXd columns(data.rows() * data.joints(), static_cast<Eigen::Index>(model_.effects.size()));
@@ -172,6 +173,14 @@ std::vector<Reader::Sums> Reader::sumsOf(const Columns& columns, const Column& t
     sums.push_back(std::move(of_joint));
   }
   return sums;
+}
+
+std::vector<double> Reader::loadsOf(const std::vector<Sums>& sums) {
+  std::vector<double> loads;
+  for (const Sums& of_joint : sums) {
+    loads.push_back(of_joint.load);
+  }
+  return loads;
 }
 
 std::vector<double> Reader::errorOf(const std::vector<Sums>& sums, Freedom freedom) const {
@@ -225,7 +234,8 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns,
     std::swap(place[static_cast<std::size_t>(exchanged[0])], place[static_cast<std::size_t>(exchanged[1])]);
   }
   const std::vector<Sums> sums = sumsOf(columns, data.driveTorque());
-  Reading reading{.error = errorOf(sums, kRubbing),
+  Reading reading{.load_Nm = loadsOf(sums),
+                  .error = errorOf(sums, kRubbing),
                   .error_of_torque = {},
                   .error_with_effects = errorOf(sums, kAllEffects)};
   const std::vector<bool> rest = restOf(columns);
@@ -244,6 +254,17 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns,
     }
   }
   return reading;
+}
+
+// A torque that is made larger may be the largest load, of which the same rest is a smaller share: shares are
+// of no more than the load as given.
+void Reader::measureByOwnLoad(Reading& reading) const {
+  for (std::size_t j = 0; j < reading.load_Nm.size(); ++j) {
+    const double grown = std::max(1.0, reading.load_Nm[j] / own_load_Nm_[j]);
+    reading.error[j] *= grown;
+    reading.error_with_effects[j] *= grown;
+    reading.load_Nm[j] /= grown;
+  }
 }
 
 std::vector<bool> Reader::restOf(const Columns& columns) const {
@@ -265,10 +286,6 @@ bool Reader::moves() const {
     fastest = std::max(fastest, jointRms(data_, own_.effects.col(joint * kPlainKinds + kViscous), joint));
   }
   return fastest > motion::kLeastVelocity_rad_s;
-}
-
-double Reader::load_Nm(int joint) const {
-  return sumsOf(own_, data_.driveTorque())[static_cast<std::size_t>(joint)].load;
 }
 
 Reading Reader::asGiven() const {
@@ -299,12 +316,18 @@ Reading Reader::read(const Convention& convention) {
   if (!convention.torque_only) {
     return readingOf(changed, columnsOf(changed), convention.exchanged);
   }
+  Reading reading;
   if (model_.effects.empty()) {
-    return readingOf(changed, own_, kInOrder);
+    reading = readingOf(changed, own_, kInOrder);
+  } else {
+    Columns columns = own_;
+    columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
+    reading = readingOf(changed, columns, kInOrder);
   }
-  Columns columns = own_;
-  columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
-  return readingOf(changed, columns, kInOrder);
+  if (convention.kind == ConventionKind::kTorqueUnit) {
+    measureByOwnLoad(reading);
+  }
+  return reading;
 }
 
 }  // namespace patella::diagnose

@@ -18,6 +18,7 @@ namespace patella::diagnose {
 /// Each joint's residual torque, over the joint's load: the torque, or the largest term of
 /// the model where the joint is not driven, so that passive joints count as much as driven ones.
 struct Reading {
+  std::vector<double> load_Nm;  ///< rms of what each joint's errors are shares of
   /// With parameters within convention::kOwnRange, and rubbing: every machine rubs. 0 where a joint is at
   /// rest as recorded and as read: dry friction holds there against whatever it has to.
   std::vector<double> error;
@@ -39,8 +40,8 @@ class Reader {
   int joints() const noexcept { return data_.joints(); }
   bool moves() const;
   Reading asGiven() const;
-  /// rms of what a joint's errors are shares of, N·m.
-  double load_Nm(int joint) const;
+  /// Of the recording as given.
+  double load_Nm(int joint) const { return own_load_Nm_[static_cast<std::size_t>(joint)]; }
   Reading read(const Convention& convention);
 
  private:
@@ -65,6 +66,8 @@ class Reader {
   Reading readingOf(const Dataset& data, const Columns& columns, const std::array<int, 2>& exchanged) const;
   std::vector<bool> restOf(const Columns& columns) const;
   std::vector<Sums> sumsOf(const Columns& columns, const Column& torque) const;
+  static std::vector<double> loadsOf(const std::vector<Sums>& sums);
+  void measureByOwnLoad(Reading& reading) const;
   std::vector<double> errorOf(const std::vector<Sums>& sums, Freedom freedom) const;
 
   Dataset data_;
@@ -73,6 +76,7 @@ class Reader {
   Columns own_;
   std::vector<bool> at_rest_;
   std::vector<double> largest_inertia_;
+  std::vector<double> own_load_Nm_;
   std::map<int, AngleShift> shifts_;  ///< by joint, once another zero of it is tried
 };
 
