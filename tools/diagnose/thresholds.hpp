@@ -185,8 +185,8 @@ inline constexpr double kUndisturbed = 0.05;
 inline constexpr double kMaterial = 0.05;
 /// Share of the held-out error that a delay may leave.
 inline constexpr double kShows = 0.99;
-/// Periods of the recording that a drive has to be late. When within a period the columns of a row were read
-/// is hardly ever known: what is less may as well be the reader's.
+/// Periods of the recording that a drive has to be late, or its delay is not asserted. When within a period
+/// the columns of a row were read is hardly ever known: what is less may as well be the reader's.
 inline constexpr double kLeastPeriods = 0.5;
 }  // namespace late_drive
 

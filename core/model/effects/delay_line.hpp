@@ -54,6 +54,16 @@ class DelayLine {
     if (fromOldest(early).time_s >= wanted_s) {
       return fromOldest(early).value;
     }
+    // Samples mostly follow each other evenly, and then it is one of these; rounding may shift it by one.
+    const double step_s = clock_s_ - points_[before(newest_)].time_s;
+    const auto guess = kPoints - 1 -
+                       static_cast<std::size_t>(std::min(static_cast<double>(kPoints - 3),
+                                                         std::floor((clock_s_ - wanted_s) / step_s)));
+    for (std::size_t order = guess - 2; order <= guess + 1; ++order) {
+      if (order > early && order < late) {
+        (fromOldest(order).time_s <= wanted_s ? early : late) = order;
+      }
+    }
     while (late - early > 1) {
       const std::size_t middle = (early + late) / 2;
       (fromOldest(middle).time_s <= wanted_s ? early : late) = middle;
@@ -74,7 +84,8 @@ class DelayLine {
 
   static std::size_t before(std::size_t index) noexcept { return (index + kPoints - 1) % kPoints; }
   const Point& fromOldest(std::size_t order) const noexcept {
-    return points_[(newest_ + 1 + order) % kPoints];
+    const std::size_t index = newest_ + 1 + order;
+    return points_[index < kPoints ? index : index - kPoints];
   }
 
   static double between(const Point& a, const Point& b, double time_s, bool held) noexcept {

@@ -72,18 +72,17 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
     }
     const Term& term = found.fit.terms.back();
     const std::vector<double> parameters = ModelFitter::effectParameters(term);
-    if (parameters.front() < late_drive::kLeastPeriods / lowestRate_Hz(recordings)) {
-      continue;
-    }
     if (jointRms(data, found.fit.residual, joint) >
         std::sqrt(1.0 - late_drive::kMaterial) * jointRms(data, nominal.residual, joint)) {
       continue;
     }
     const Eigen::MatrixXd covariance =
         parameterCovariance(data, found.fit, selection.replicates, selection.seed);
+    const double least_s = late_drive::kLeastPeriods / lowestRate_Hz(recordings);
     late.push_back({.effect = {.kind = term.recipe->kind, .joint = joint, .parameters = parameters},
                     .estimate = estimates(found.fit, covariance, found.fit.terms.size() - 1).front(),
-                    .evidence = found.evidence.back()});
+                    .evidence = found.evidence.back(),
+                    .may_be_timing = parameters.front() < least_s});
   }
   return late;
 }

@@ -17,12 +17,16 @@ struct LateDrive {
   model::EffectDescription effect;
   ParameterEstimate estimate;
   Evidence evidence;
+  bool may_be_timing = false;  ///< late by less than late_drive::kLeastPeriods
 };
 
+/// Why it is not asserted then.
+inline constexpr const char* kMayBeTimingWords =
+    "it is late by less than half a sample, and when in a sample a row was read is not known";
+
 /// Delays and lags of the drives of `joints` that show beside what `explained` has, through every gate of a
-/// selection, on joints whose torque `explained` leaves little of. What is late by less than
-/// late_drive::kLeastPeriods is not told. Friction and all else that `explained` has may move within what a
-/// fit allows declared effects.
+/// selection, on joints whose torque `explained` leaves little of. Friction and all else that `explained` has
+/// may move within what a fit allows declared effects.
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
                                       const model::ModelDescription& explained, std::span<const int> joints,
                                       const FitOptions& fit, const SelectionOptions& selection);

@@ -9,6 +9,7 @@
 #include "tools/diagnose/search/correlations.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
+#include "tools/diagnose/search/late_drive.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
@@ -109,6 +110,9 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
   for (const LateDrive& late : found.late) {
     diagnosis.effects.push_back(
         findingOf(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence, data.joints()));
+    if (late.may_be_timing) {
+      diagnosis.effects.back().not_asserted_because = kMayBeTimingWords;
+    }
   }
   addConfoundsBetween(diagnosis.effects);
   addTremors(recordings, found.fitter->describe(selection.fit), found.fitter->leastTorque_Nm(), rests,
@@ -132,8 +136,9 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
       effect.not_asserted_because = kMayBeAnotherWords;
     }
   }
-  if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(),
-                   [](const EffectFinding& effect) { return effect.asserted(); })) {
+  if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(), [](const EffectFinding& effect) {
+        return effect.asserted() || effect.not_asserted_because == kMayBeTimingWords;
+      })) {
     diagnosis.doubts.push_back({Doubt::kOutweighed,
                                 "What was found explains less than what nothing explains, or is of unknown "
                                 "size, so that it may be a "
