@@ -258,7 +258,7 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns,
 
 // A torque that is made larger may be the largest load, of which the same rest is a smaller share: shares are
 // of no more than the load as given.
-void Reader::measureByOwnLoad(Reading& reading) const {
+void Reader::measureByGivenLoad(Reading& reading) const {
   for (std::size_t j = 0; j < reading.load_Nm.size(); ++j) {
     const double grown = std::max(1.0, reading.load_Nm[j] / own_load_Nm_[j]);
     reading.error[j] *= grown;
@@ -325,7 +325,7 @@ Reading Reader::read(const Convention& convention) {
     reading = readingOf(changed, columns, kInOrder);
   }
   if (convention.kind == ConventionKind::kTorqueUnit) {
-    measureByOwnLoad(reading);
+    measureByGivenLoad(reading);
   }
   return reading;
 }

@@ -67,7 +67,7 @@ class Reader {
   std::vector<bool> restOf(const Columns& columns) const;
   std::vector<Sums> sumsOf(const Columns& columns, const Column& torque) const;
   static std::vector<double> loadsOf(const std::vector<Sums>& sums);
-  void measureByOwnLoad(Reading& reading) const;
+  void measureByGivenLoad(Reading& reading) const;
   std::vector<double> errorOf(const std::vector<Sums>& sums, Freedom freedom) const;
 
   Dataset data_;
