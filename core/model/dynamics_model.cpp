@@ -80,7 +80,9 @@ ModelTerms DynamicsModel::evaluate(const EffectInput& input) const noexcept {
   terms.bias_Nm = body.bias_Nm;
   terms.drive_Nm = JointVector::Zero(input.q.size());
   for (const auto& effect : effects_) {
-    terms.inertia += effect->inertia(input.q);
+    if (effect->descriptor().has_inertia) {
+      terms.inertia += effect->inertia(input.q);
+    }
     const JointVector torque_Nm = effect->torque(input);
     terms.bias_Nm -= torque_Nm;
     if (effect->descriptor().of_drive) {

@@ -274,6 +274,9 @@ inline constexpr double kShoulder_Hz = 1.1;
 inline constexpr double kChance = 3.0;
 /// Amplitude over the residual (rms).
 inline constexpr double kLeast = 0.35;
+/// Share of a velocity's power in one line: above, it is a part of the motion, which a column that is shifted
+/// leaves a line of as well.
+inline constexpr double kOfMotion = 0.1;
 }  // namespace tremor
 
 /// Is an effect asserted, or only possible?

@@ -12,7 +12,10 @@ constexpr std::array kParameters{
 constinit const EffectDescriptor EncoderOffset::kDescriptor{
     "encoder_offset",
     "I = I + I(q + offset) - I(q); tau = -(C(q + offset, dq) - C(q, dq)) dq - (K(q + offset) - K(q))",
-    "Mooring, Roth, Driels, Fundamentals of Manipulator Calibration (joint offset)", kParameters};
+    "Mooring, Roth, Driels, Fundamentals of Manipulator Calibration (joint offset)",
+    kParameters,
+    false,
+    true};
 
 EncoderOffset::EncoderOffset(int joint, const Mechanism& mechanism, std::span<const double> parameters)
     : JointEffect(joint, parameters), mechanism_(&mechanism) {}

@@ -13,8 +13,12 @@ constexpr std::array kParameters{
 }  // namespace
 
 constinit const EffectDescriptor Payload::kDescriptor{
-    "payload", "(mass J'J) ddq + mass J'(dJ/dt dq + [0, g]) = 0 with J of the point at distance",
-    "Siciliano et al., Robotics: Modelling, Planning and Control, Section 7.1", kParameters};
+    "payload",
+    "(mass J'J) ddq + mass J'(dJ/dt dq + [0, g]) = 0 with J of the point at distance",
+    "Siciliano et al., Robotics: Modelling, Planning and Control, Section 7.1",
+    kParameters,
+    false,
+    true};
 
 Payload::Payload(int joint, const Mechanism& mechanism, std::span<const double> parameters)
     : JointEffect(joint, parameters), mechanism_(&mechanism) {

@@ -10,8 +10,12 @@ constexpr std::array kParameters{
 }  // namespace
 
 constinit const EffectDescriptor RotorInertia::kDescriptor{
-    "rotor_inertia", "I_jj = I_jj + inertia",
-    "Spong, Hutchinson, Vidyasagar, Robot Modeling and Control, Section 6.2", kParameters};
+    "rotor_inertia",
+    "I_jj = I_jj + inertia",
+    "Spong, Hutchinson, Vidyasagar, Robot Modeling and Control, Section 6.2",
+    kParameters,
+    false,
+    true};
 
 RotorInertia::RotorInertia(int joint, const Mechanism& /*mechanism*/, std::span<const double> parameters)
     : JointEffect(joint, parameters) {}

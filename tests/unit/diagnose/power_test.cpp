@@ -41,7 +41,7 @@ Recording noisy(double duration_s, double noise_Nm, std::uint64_t seed = 2026020
 
 /// A torque that changes faster than the swing.
 Column alternating(const Dataset& data) {
-  return data.column({}, [](const Series& series, std::size_t i) -> JointVector {
+  return data.column([](const Series& series, std::size_t i) -> JointVector {
     return JointVector::Constant(1, std::sin(20.0 * series.states[i].time_s));
   });
 }

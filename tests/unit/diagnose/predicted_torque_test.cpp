@@ -45,7 +45,7 @@ double rms(const Eigen::VectorXd& values) {
 }
 
 Eigen::VectorXd predictedTorque(const Dataset& data) {
-  return data.variable([](const Series& s, std::size_t i) { return s.predicted_torque_Nm[i][0]; });
+  return data.variable([](const Series& s, std::size_t i) { return s.states[i].torque_Nm[0]; });
 }
 
 }  // namespace

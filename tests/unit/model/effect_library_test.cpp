@@ -1,4 +1,5 @@
 // Rules that hold for every kind of the catalogue.
+#include <cmath>
 #include <limits>
 #include <random>
 #include <set>
@@ -55,6 +56,22 @@ bool isStateful(std::string_view kind) {
 }
 
 }  // namespace
+
+TEST_CASE("the kinds that say so have an inertia, and no others") {
+  forEveryEffect([](const EffectDescriptor& descriptor, const char*, const Mechanism& mechanism, int joint) {
+    std::vector<double> parameters;
+    for (const EffectParameter& parameter : descriptor.parameters) {
+      // Away from zero, where even a payload weighs nothing.
+      parameters.push_back(std::lerp(parameter.minimum, parameter.maximum, 0.3));
+    }
+    const auto effect = makeEffect(descriptor.kind, joint, mechanism, parameters);
+    bool any = false;
+    for (const auto& state : test::randomStates(mechanism.joints())) {
+      any = any || !effect->inertia(state.q).isZero(0.0);
+    }
+    CHECK(any == descriptor.has_inertia);
+  });
+}
 
 TEST_CASE("the catalogue is complete") {
   std::set<std::string_view> kinds;

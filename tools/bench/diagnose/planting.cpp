@@ -91,8 +91,8 @@ void plantIn(Recording& recording, const PlantedEffect& plant, const model::Mech
                                     static_cast<double>(series.states.size() - 1));
     const auto low = std::min(static_cast<std::size_t>(place), series.states.size() - 2);
     const double share = place - static_cast<double>(low);
-    return (1.0 - share) * series.states[low].torque_Nm[plant.joint] +
-           share * series.states[low + 1].torque_Nm[plant.joint];
+    return (1.0 - share) * series.measured_torque_Nm[low][plant.joint] +
+           share * series.measured_torque_Nm[low + 1][plant.joint];
   };
   std::vector<JointVector> planted(series.states.size(), JointVector::Zero(recording.joints));
   effect->reset(series.states.front());

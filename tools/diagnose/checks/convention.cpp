@@ -255,9 +255,9 @@ Convention scaleConvention(int joint, double factor, std::string mistake, std::s
           .change = std::move(change),
           .correct =
               [=](Series& series) {
-                for (model::EffectInput& state : series.states) {
-                  for (Eigen::Index j = 0; j < state.torque_Nm.size(); ++j) {
-                    state.torque_Nm[j] /= of(joint, j) ? factor : 1.0;
+                for (JointVector& torque_Nm : series.measured_torque_Nm) {
+                  for (Eigen::Index j = 0; j < torque_Nm.size(); ++j) {
+                    torque_Nm[j] /= of(joint, j) ? factor : 1.0;
                   }
                 }
               },
@@ -329,7 +329,7 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
                                 late_s > 0.0 ? "earlier" : "later"),
           .correct =
               [=](Series& series) {
-                for (Eigen::Index j = 0; j < series.states.front().torque_Nm.size(); ++j) {
+                for (Eigen::Index j = 0; j < series.measured_torque_Nm.front().size(); ++j) {
                   if (of(joint, j)) {
                     advanceTorque(series, j, late_s);
                   }

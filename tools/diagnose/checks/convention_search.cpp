@@ -193,6 +193,24 @@ bool explains(const ReadAs& one, const Reading& given) {
   return speaks;
 }
 
+bool isShift(const ReadAs& one) {
+  return one.convention.kind == ConventionKind::kTorqueShift;
+}
+
+// A column that is shifted leaves no sinusoid that is not in the motion. Where such a one is left, and says
+// as much as a shift does, it is a person's tremor.
+void dropWhatATremorSays(const Reader& reader, const Reading& given, std::vector<ReadAs>& all) {
+  if (std::none_of(all.begin(), all.end(), isShift)) {
+    return;
+  }
+  const std::vector<double> tremor = reader.errorBesideTremor();
+  const double far = -std::log(kFarBetter);
+  std::erase_if(all, [&](const ReadAs& one) {
+    return isShift(one) && gain(given.error_with_effects, tremor) > far &&
+           gain(tremor, one.reading.error) < far;
+  });
+}
+
 }  // namespace
 
 ColumnNames columnNames(const model::ModelDescription& model) {
@@ -258,6 +276,7 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
            gain(one.reading.error, given.error_with_effects, kSensors) >
                static_cast<double>(given.error.size()) * std::log(kTimesEffects);
   });
+  dropWhatATremorSays(reader, given, all);
   std::sort(all.begin(), all.end(),
             [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });
   if (!all.empty()) {

@@ -8,7 +8,9 @@
 
 #include <Eigen/Dense>
 
+#include "tools/diagnose/checks/foreign_line.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -31,7 +33,7 @@ Eigen::MatrixXd plainColumns(const Dataset& data) {
       columns.col(joint * kPlainKinds + kind) =
           elementary[static_cast<std::size_t>(joint * kRotor + kind)].torque;
     }
-    columns.col(joint * kPlainKinds + kRotor) = data.column({}, [joint](const Series& series, std::size_t i) {
+    columns.col(joint * kPlainKinds + kRotor) = data.column([joint](const Series& series, std::size_t i) {
       JointVector torque = JointVector::Zero(series.acceleration[i].size());
       torque[joint] = series.acceleration[i][joint];
       return torque;
@@ -165,7 +167,7 @@ std::vector<Reader::Sums> Reader::sumsOf(const Columns& columns, const Column& t
     all << columns.model.middleRows(joint * rows, rows), columns.effects.middleRows(joint * rows, rows);
     const auto target = torque.segment(joint * rows, rows);
     const double share = 1.0 / static_cast<double>(rows);
-    Sums of_joint{.gram = share * (all.transpose() * all),
+    Sums of_joint{.gram = share * gramOf(all),
                   .right = share * (all.transpose() * target),
                   .power = share * target.squaredNorm()};
     of_joint.load =
@@ -183,7 +185,7 @@ std::vector<double> Reader::loadsOf(const std::vector<Sums>& sums) {
   return loads;
 }
 
-std::vector<double> Reader::errorOf(const std::vector<Sums>& sums, Freedom freedom) const {
+Reader::Fitted Reader::fit(const std::vector<Sums>& sums, Freedom freedom) const {
   const Eigen::Index all = sums.front().right.size(), plain = data_.joints() * kPlainKinds, own = all - plain;
   constexpr double kAny = std::numeric_limits<double>::infinity();
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(all), upper = lower;
@@ -222,7 +224,7 @@ std::vector<double> Reader::errorOf(const std::vector<Sums>& sums, Freedom freed
       weight[j] = 1.0 / (std::pow(sums[j].load, 2) * (error[j] * error[j] + kFloor * kFloor));
     }
   }
-  return error;
+  return {.strengths = std::move(x), .error = std::move(error)};
 }
 
 Reading Reader::readingOf(const Dataset& data, const Columns& columns,
@@ -235,9 +237,9 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns,
   }
   const std::vector<Sums> sums = sumsOf(columns, data.driveTorque());
   Reading reading{.load_Nm = loadsOf(sums),
-                  .error = errorOf(sums, kRubbing),
+                  .error = fit(sums, kRubbing).error,
                   .error_of_torque = {},
-                  .error_with_effects = errorOf(sums, kAllEffects)};
+                  .error_with_effects = fit(sums, kAllEffects).error};
   const std::vector<bool> rest = restOf(columns);
   for (std::size_t j = 0; j < reading.error.size(); ++j) {
     const double left_Nm = reading.error[j] * sums[j].load;
@@ -290,6 +292,25 @@ bool Reader::moves() const {
 
 Reading Reader::asGiven() const {
   return readingOf(data_, own_, kInOrder);
+}
+
+std::vector<double> Reader::errorBesideTremor() const {
+  const Column torque = data_.driveTorque();
+  const std::vector<Sums> sums = sumsOf(own_, torque);
+  Fitted fitted = fit(sums, kAllEffects);
+  const Eigen::Index rows = data_.rows(), own = own_.model.cols();
+  const Eigen::VectorXd rest = torque - own_.model * fitted.strengths.head(own) -
+                               own_.effects * fitted.strengths.tail(own_.effects.cols());
+  for (std::size_t j = 0; j < sums.size(); ++j) {
+    const auto joint = static_cast<Eigen::Index>(j);
+    const double square = squareBesideForeignLine(
+        {.time_s = data_.time_s(),
+         .rest_Nm = rest.segment(joint * rows, rows),
+         .velocity_rad_s = own_.effects.col(joint * kPlainKinds + kViscous).segment(joint * rows, rows)},
+        data_.band_Hz());
+    fitted.error[j] = std::sqrt(square / static_cast<double>(rows)) / sums[j].load;
+  }
+  return fitted.error;
 }
 
 // A spring's rest is free, so that plain effects stay as they are.

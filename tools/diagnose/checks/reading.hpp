@@ -43,6 +43,9 @@ class Reader {
   /// Of the recording as given.
   double load_Nm(int joint) const { return own_load_Nm_[static_cast<std::size_t>(joint)]; }
   Reading read(const Convention& convention);
+  /// Of the recording as given, Reading::error_with_effects beside a sinusoid of each joint that is not in
+  /// its motion.
+  std::vector<double> errorBesideTremor() const;
 
  private:
   enum Freedom { kRubbing, kAllEffects };
@@ -58,6 +61,10 @@ class Reader {
     double power = 0.0;     ///< the torque squared, (N·m)²
     double load = 0.0;      ///< rms of the torque or of the model's largest term, N·m
   };
+  struct Fitted {
+    Eigen::VectorXd strengths;  ///< of every column
+    std::vector<double> error;  ///< of each joint, over its load
+  };
   Columns columnsOf(const Dataset& data) const;
   Eigen::MatrixXd declaredOf(const Dataset& data) const;
   /// With another zero of one joint that turns.
@@ -68,7 +75,7 @@ class Reader {
   std::vector<Sums> sumsOf(const Columns& columns, const Column& torque) const;
   static std::vector<double> loadsOf(const std::vector<Sums>& sums);
   void measureByGivenLoad(Reading& reading) const;
-  std::vector<double> errorOf(const std::vector<Sums>& sums, Freedom freedom) const;
+  Fitted fit(const std::vector<Sums>& sums, Freedom freedom) const;
 
   Dataset data_;
   model::ModelDescription model_;

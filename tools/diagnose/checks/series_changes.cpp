@@ -10,9 +10,9 @@ namespace {
 // One joint's signal as samples, to be differentiated.
 std::vector<double> torqueOf(const Series& series, Eigen::Index joint) {
   std::vector<double> torque;
-  torque.reserve(series.states.size());
-  for (const model::EffectInput& state : series.states) {
-    torque.push_back(state.torque_Nm[joint]);
+  torque.reserve(series.measured_torque_Nm.size());
+  for (const JointVector& all : series.measured_torque_Nm) {
+    torque.push_back(all[joint]);
   }
   return torque;
 }
@@ -29,8 +29,8 @@ void turnPositions(Series& series, const JointMatrix& matrix, const JointVector&
 }
 
 void turnTorques(Series& series, const JointMatrix& matrix) {
-  for (model::EffectInput& state : series.states) {
-    state.torque_Nm = (matrix * state.torque_Nm).eval();
+  for (JointVector& torque_Nm : series.measured_torque_Nm) {
+    torque_Nm = (matrix * torque_Nm).eval();
   }
 }
 
@@ -39,7 +39,7 @@ void exchangeColumns(Series& series, Eigen::Index joint) {
   const std::vector<double> velocity = offline::derivative(position, series.rate_Hz);
   const std::vector<double> acceleration = offline::derivative(velocity, series.rate_Hz);
   for (std::size_t i = 0; i < position.size(); ++i) {
-    series.states[i].torque_Nm[joint] = series.states[i].q[joint];
+    series.measured_torque_Nm[i][joint] = series.states[i].q[joint];
     series.states[i].q[joint] = position[i];
     series.states[i].dq[joint] = velocity[i];
     series.acceleration[i][joint] = acceleration[i];
@@ -49,7 +49,7 @@ void exchangeColumns(Series& series, Eigen::Index joint) {
 void advanceTorque(Series& series, Eigen::Index joint, double late_s) {
   const std::vector<double> advanced = offline::advanced(torqueOf(series, joint), late_s, series.rate_Hz);
   for (std::size_t i = 0; i < advanced.size(); ++i) {
-    series.states[i].torque_Nm[joint] = advanced[i];
+    series.measured_torque_Nm[i][joint] = advanced[i];
   }
 }
 

@@ -21,10 +21,12 @@ Motion motionOf(const Dataset& data, const model::Mechanism& mechanism, int join
   for (const Series& series : data.series()) {
     for (const model::EffectInput& state : series.states) {
       velocity += state.dq[joint] * state.dq[joint];
-      torque += state.torque_Nm[joint] * state.torque_Nm[joint];
       low = std::min(low, state.q[joint]);
       high = std::max(high, state.q[joint]);
       motion.inertia += mechanism.inertia(state.q)(joint, joint);
+    }
+    for (const JointVector& torque_Nm : series.measured_torque_Nm) {
+      torque += torque_Nm[joint] * torque_Nm[joint];
     }
     count += static_cast<double>(series.states.size());
   }

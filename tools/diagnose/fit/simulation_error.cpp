@@ -57,7 +57,7 @@ void toNextSample(model::DynamicsModel& dynamics, const Series& series, std::siz
   state.activation = series.states[i].activation;
   for (int k = 0; k < kSubsteps; ++k) {
     const double share = (k + 0.5) / kSubsteps;
-    state.torque_Nm = (1.0 - share) * series.states[i].torque_Nm + share * series.states[i + 1].torque_Nm;
+    state.torque_Nm = (1.0 - share) * series.measured_torque_Nm[i] + share * series.measured_torque_Nm[i + 1];
     step(dynamics, state, h);
   }
 }

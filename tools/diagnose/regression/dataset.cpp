@@ -61,7 +61,7 @@ Series restingSeries(const Recording& recording, const Segment& segment) {
     series.states.push_back(state);
     series.acceleration.emplace_back(JointVector::Zero(recording.joints));
     series.asked_acceleration.emplace_back(JointVector::Zero(recording.joints));
-    series.predicted_torque_Nm.push_back(state.torque_Nm);
+    series.measured_torque_Nm.push_back(state.torque_Nm);
     series.asked_torque_Nm.emplace_back(JointVector::Zero(recording.joints));
   }
   return series;
@@ -127,23 +127,17 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
     series.states.push_back(state);
     series.acceleration.push_back(acceleration);
     series.asked_acceleration.push_back(asked_acceleration);
-    series.predicted_torque_Nm.push_back(state.torque_Nm);
+    series.measured_torque_Nm.push_back(state.torque_Nm);
     series.asked_torque_Nm.push_back(asked_torque_Nm);
   }
   return series;
 }
 
-// A state that has this torque in place of the measured one.
+// A state that has this torque in place of its own.
 model::EffectInput withTorque(const Series& series, std::size_t i, const JointVector& torque_Nm) {
   model::EffectInput input = series.states[i];
   input.torque_Nm = torque_Nm;
   return input;
-}
-
-// Input of an effect.
-model::EffectInput inputOf(const model::Effect& effect, const Series& series, std::size_t i) {
-  return effect.descriptor().of_drive ? series.states[i]
-                                      : withTorque(series, i, series.predicted_torque_Nm[i]);
 }
 
 // Frequency below which 99 % of the power of a velocity lies, as far as a coarse list tells.
@@ -273,8 +267,8 @@ Eigen::VectorXd Dataset::band(std::span<const double> signal, double rate_Hz) co
   return result;
 }
 
-Column Dataset::column(const std::function<void(const Series&)>& start,
-                       const std::function<JointVector(const Series&, std::size_t)>& torque) const {
+template <typename Start, typename Torque>
+Column Dataset::columnOf(Start start, Torque torque) const {
   Column result(rows_ * joints_);
   for (std::size_t s = 0; s < series_.size(); ++s) {
     const Series& series = series_[s];
@@ -282,9 +276,7 @@ Column Dataset::column(const std::function<void(const Series&)>& start,
     for (int joint = 0; joint < joints_; ++joint) {
       raw[static_cast<std::size_t>(joint)].resize(series.states.size());
     }
-    if (start) {
-      start(series);
-    }
+    start(series);
     for (std::size_t i = 0; i < series.states.size(); ++i) {
       const JointVector value = torque(series, i);
       for (int joint = 0; joint < joints_; ++joint) {
@@ -299,20 +291,24 @@ Column Dataset::column(const std::function<void(const Series&)>& start,
   return result;
 }
 
+Column Dataset::column(const std::function<JointVector(const Series&, std::size_t)>& torque) const {
+  return columnOf([](const Series&) {}, torque);
+}
+
 void Dataset::setPredictedTorque(const std::function<JointVector(const Series&, std::size_t)>& torque_Nm) {
   for (Series& series : series_) {
     for (std::size_t i = 0; i < series.states.size(); ++i) {
-      series.predicted_torque_Nm[i] = torque_Nm(series, i);
+      series.states[i].torque_Nm = torque_Nm(series, i);
     }
   }
 }
 
 Column Dataset::driveTorque() const {
-  return column({}, [](const Series& series, std::size_t i) { return series.states[i].torque_Nm; });
+  return column([](const Series& series, std::size_t i) { return series.measured_torque_Nm[i]; });
 }
 
 Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
-  Column sum = column({}, [&](const Series& series, std::size_t i) -> JointVector {
+  Column sum = column([&](const Series& series, std::size_t i) -> JointVector {
     const model::Mechanism& body = dynamics.mechanism();
     const model::EffectInput& state = series.states[i];
     return body.inertia(state.q) * series.acceleration[i] + body.coriolis(state.q, state.dq) * state.dq +
@@ -324,29 +320,36 @@ Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
   return sum;
 }
 
+template <typename Input>
+Column Dataset::effectColumn(model::Effect& effect, Input input) const {
+  const bool has_inertia = effect.descriptor().has_inertia;
+  return columnOf([&](const Series& series) { effect.reset(input(series, 0)); },
+                  [&](const Series& series, std::size_t i) -> JointVector {
+                    const model::EffectInput& state = input(series, i);
+                    if (i > 0) {
+                      effect.advance(state, 1.0 / series.rate_Hz);
+                    }
+                    const JointVector given = effect.torque(state);
+                    return has_inertia ? JointVector(effect.inertia(state.q) * series.acceleration[i] - given)
+                                       : JointVector(-given);
+                  });
+}
+
 Column Dataset::effectTorque(model::Effect& effect) const {
-  return column([&](const Series& series) { effect.reset(inputOf(effect, series, 0)); },
-                [&](const Series& series, std::size_t i) -> JointVector {
-                  const model::EffectInput input = inputOf(effect, series, i);
-                  if (i > 0) {
-                    effect.advance(input, 1.0 / series.rate_Hz);
-                  }
-                  return effect.inertia(input.q) * series.acceleration[i] - effect.torque(input);
-                });
+  if (effect.descriptor().of_drive) {
+    return effectColumn(effect, [](const Series& series, std::size_t i) {
+      return withTorque(series, i, series.measured_torque_Nm[i]);
+    });
+  }
+  return effectColumn(effect, [](const Series& series, std::size_t i) -> const model::EffectInput& {
+    return series.states[i];
+  });
 }
 
 Column Dataset::askedEffectTorque(model::Effect& effect) const {
-  const auto asked = [](const Series& series, std::size_t i) {
+  return effectColumn(effect, [](const Series& series, std::size_t i) {
     return withTorque(series, i, series.asked_torque_Nm[i]);
-  };
-  return column([&](const Series& series) { effect.reset(asked(series, 0)); },
-                [&](const Series& series, std::size_t i) -> JointVector {
-                  const model::EffectInput input = asked(series, i);
-                  if (i > 0) {
-                    effect.advance(input, 1.0 / series.rate_Hz);
-                  }
-                  return -effect.torque(input);
-                });
+  });
 }
 
 Eigen::MatrixXd Dataset::regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const {
@@ -362,7 +365,7 @@ Eigen::MatrixXd Dataset::regressor(const model::Mechanism& mechanism, const Join
   }
   Eigen::MatrixXd columns(rows() * joints(), parameters);
   for (Eigen::Index k = 0; k < parameters; ++k) {
-    columns.col(k) = column({}, [&](const Series& series, std::size_t i) -> JointVector {
+    columns.col(k) = column([&](const Series& series, std::size_t i) -> JointVector {
       const auto number = static_cast<std::size_t>(&series - series_.data());
       return all[number].col(parameters * static_cast<Eigen::Index>(i) + k);
     });

@@ -36,11 +36,11 @@ double motionBand_Hz(std::span<const Recording> recordings);
 /// One stretch without a gap, at the evaluation rate.
 struct Series {
   double rate_Hz = 0.0;
-  std::vector<model::EffectInput> states;  ///< smoothed; torque is what was measured to act at the instant
-  std::vector<JointVector> acceleration;   ///< rad/s²
-  /// Torque for friction and gains that depend on it: that which a model asks of the drives for this
-  /// motion, once one has been set; the measured one before.
-  std::vector<JointVector> predicted_torque_Nm;
+  /// Smoothed. The torque is for friction and gains that depend on it: that which a model asks of the drives
+  /// for this motion, once one has been set; the measured one before.
+  std::vector<model::EffectInput> states;
+  std::vector<JointVector> acceleration;        ///< rad/s²
+  std::vector<JointVector> measured_torque_Nm;  ///< at the instant, smoothed
   /// A person's push moves the leg and is answered by the controller, so that motion and torque go with what
   /// no model explains. The sinusoids in them do not: they are what was asked for. Of the acceleration,
   /// rad/s², as a variable on which a residual may depend, and of the torque. Without `asked_part` the
@@ -72,10 +72,8 @@ class Dataset {
   std::span<const Series> series() const noexcept { return series_; }
   std::span<const Block> blocks() const noexcept { return blocks_; }
 
-  /// Puts a torque that belongs to each state through the band. `torque` is called for the states of a
-  /// series in the order of time; `start` (which may be empty) before the first of each.
-  Column column(const std::function<void(const Series&)>& start,
-                const std::function<JointVector(const Series&, std::size_t)>& torque) const;
+  /// Puts a torque that belongs to each state through the band.
+  Column column(const std::function<JointVector(const Series&, std::size_t)>& torque) const;
 
   /// Predicts the torque on which friction and gains depend from the motion. Were it the measured one, an
   /// effect in proportion to it would explain whatever was measured. Effects of the drive
@@ -104,6 +102,13 @@ class Dataset {
   double gain(double frequency_Hz) const noexcept;
 
  private:
+  /// As column(), with start(series) before the first state of each series and torque(series, i) in the order
+  /// of time.
+  template <typename Start, typename Torque>
+  Column columnOf(Start start, Torque torque) const;
+  /// As effectTorque(), of an effect that takes input(series, i).
+  template <typename Input>
+  Column effectColumn(model::Effect& effect, Input input) const;
   Eigen::VectorXd band(std::span<const double> signal, double rate_Hz) const;
   std::size_t edgeSamples(double rate_Hz) const noexcept;
   /// Recordings of different rates come to about the same: each series keeps one of so many of its samples.

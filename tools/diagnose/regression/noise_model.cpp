@@ -219,20 +219,25 @@ NoiseProcess::NoiseProcess(const Dataset& data, const Eigen::VectorXd& whole) : 
 }
 
 Eigen::VectorXd NoiseProcess::draw(std::mt19937_64& random) const {
-  std::uniform_int_distribution<Eigen::Index> row(0, innovations_.rows() - 1);
-  std::bernoulli_distribution coin;
+  const auto rows = static_cast<std::uint64_t>(innovations_.rows());
   Eigen::VectorXd result(data_->rows() * data_->joints());
   const int order = process_.order;
   for (const Block& block : data_->blocks()) {
     const Eigen::Index count = block.end - block.first;
     Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(count + kBurnIn + order, data_->joints());
     for (Eigen::Index t = order; t < noise.rows(); ++t) {
-      noise.row(t) = (coin(random) ? 1.0 : -1.0) * innovations_.row(row(random));
+      // One number for both: its upper half chooses the row, its last bit the sign.
+      const std::uint64_t number = random();
+      const auto row = static_cast<Eigen::Index>(((number >> 32) * rows) >> 32);
+      const double sign = (number & 1) != 0 ? 1.0 : -1.0;
       for (int joint = 0; joint < data_->joints(); ++joint) {
         const Eigen::VectorXd& a = process_.coefficients[static_cast<std::size_t>(joint)];
+        double* const value = noise.col(joint).data() + t;
+        double sum = sign * innovations_(row, joint);
         for (int k = 0; k < order; ++k) {
-          noise(t, joint) += a[k] * noise(t - 1 - k, joint);
+          sum += a[k] * value[-1 - k];
         }
+        *value = sum;
       }
     }
     for (int joint = 0; joint < data_->joints(); ++joint) {

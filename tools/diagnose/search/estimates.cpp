@@ -7,6 +7,7 @@
 
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/recipe_names.hpp"
+#include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/thresholds.hpp"
@@ -61,7 +62,7 @@ Eigen::MatrixXd withRest(const Eigen::MatrixXd& covariance, const Dataset& data,
     const double variance_Nm2 =
         noise_Nm2 + std::pow(rests[joint].structure_Nm(), 2) * rows / asserted::kLooks;
     const auto slope = fit.tangent.middleRows(static_cast<Eigen::Index>(joint) * data.rows(), data.rows());
-    information += slope.transpose() * slope / std::max(variance_Nm2, kLeastVariance_Nm2);
+    information += gramOf(slope) / std::max(variance_Nm2, kLeastVariance_Nm2);
   }
   const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd correlated = scale.asDiagonal() * information * scale.asDiagonal();

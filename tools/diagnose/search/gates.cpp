@@ -8,6 +8,8 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
+#include "tools/diagnose/regression/gram.hpp"
+
 namespace patella::diagnose {
 namespace {
 
@@ -52,17 +54,17 @@ Linearised linearised(const ModelFit& fit, const Weighting& weighting, int block
   for (int b = 0; b < blocks; ++b) {
     const Eigen::Index first = rows * b / blocks;
     const Eigen::Index count = rows * (b + 1) / blocks - first;
-    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(slope.cols(), slope.cols());
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(slope.cols(), slope.cols());
     Eigen::VectorXd moment = Eigen::VectorXd::Zero(slope.cols());
     double square = 0.0;
     for (Eigen::Index joint = 0; joint < joints; ++joint) {
       const auto part = slope.middleRows(joint * rows + first, count);
       const auto rest = residual.segment(joint * rows + first, count);
-      gram += part.transpose() * part;
+      products += gramOf(part);
       moment += part.transpose() * rest;
       square += rest.squaredNorm();
     }
-    result.gram.push_back(gram);
+    result.gram.push_back(products);
     result.moment.push_back(moment);
     result.square.push_back(square);
   }

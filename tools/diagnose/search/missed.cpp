@@ -1,5 +1,6 @@
 #include "tools/diagnose/search/missed.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace patella::diagnose {
@@ -36,8 +37,20 @@ bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const Mode
 }
 
 double priorRelief(const ModelFit& smaller, const ModelFit& larger) {
-  return (smaller.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm()) /
-         std::pow(larger.prior_scale, 2);
+  double relief = smaller.prior_residual.squaredNorm() - larger.prior_residual.squaredNorm();
+  for (std::size_t t = 0; t < smaller.terms.size(); ++t) {
+    const Term& term = smaller.terms[t];
+    const bool is_replaced = std::any_of(larger.terms.begin(), larger.terms.end(), [&](const Term& other) {
+      return std::any_of(other.replaced.begin(), other.replaced.end(),
+                         [&](const Term& old) { return old.recipe == term.recipe; });
+    });
+    if (is_replaced) {
+      relief -= smaller.prior_residual
+                    .segment(smaller.offset[t], static_cast<Eigen::Index>(term.c.size() + term.nu.size()))
+                    .squaredNorm();
+    }
+  }
+  return relief / std::pow(larger.prior_scale, 2);
 }
 
 }  // namespace patella::diagnose

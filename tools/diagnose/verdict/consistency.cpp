@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -53,7 +54,7 @@ Local localFit(const Dataset& data, const ModelFit& fit, std::size_t recording) 
   const Eigen::MatrixXd slope = weightedPart(data, fit, fit.tangent, recording);
   const Eigen::VectorXd error = weightedPart(data, fit, fit.residual, recording);
   const Eigen::VectorXd prior = fit.prior_weight.cwiseAbs2();
-  Eigen::MatrixXd information = slope.transpose() * slope;
+  Eigen::MatrixXd information = gramOf(slope);
   information.diagonal() += prior;
   // In units of each parameter's own information, with next to none for what the recording does not show.
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseMax(1e-150).cwiseInverse();

@@ -163,7 +163,10 @@ double surprise(double gain, int dimensions) {
   }
   // Beyond this the tail has no digits left; the gain still orders.
   constexpr double kLeast = 1e-280;
-  const double tail = boost::math::cdf(boost::math::complement(boost::math::chi_squared(dimensions), gain));
+  // In double precision: enough for an order, and a third of the time.
+  using Plain = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  const boost::math::chi_squared_distribution<double, Plain> chance(dimensions);
+  const double tail = boost::math::cdf(boost::math::complement(chance, gain));
   return tail > kLeast ? -std::log(tail) : -std::log(kLeast) + gain;
 }
 

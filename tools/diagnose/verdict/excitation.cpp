@@ -95,7 +95,7 @@ std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
   const Reader reader(data, model);
   const Reading reading = reader.asGiven();
   const model::DynamicsModel dynamics = model::makeModel(model);
-  const Column inertial = data.column({}, [&](const Series& series, std::size_t i) -> JointVector {
+  const Column inertial = data.column([&](const Series& series, std::size_t i) -> JointVector {
     return dynamics.mechanism().inertia(series.states[i].q) * series.acceleration[i];
   });
   for (int joint = 0; joint < data.joints(); ++joint) {

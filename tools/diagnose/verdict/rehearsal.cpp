@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/missed.hpp"
@@ -31,12 +32,12 @@ struct Equations {
 
   Equations(const Weighting& weighting, const Eigen::MatrixXd& columns, const Eigen::VectorXd& prior_weight)
       : slope(weighting.apply(columns)) {
-    Eigen::MatrixXd gram = slope.transpose() * slope;
-    gram.diagonal() += prior_weight.cwiseAbs2();
-    length = gram.diagonal().cwiseSqrt().cwiseMax(1e-150);
-    gram = length.cwiseInverse().asDiagonal() * gram * length.cwiseInverse().asDiagonal();
-    gram.diagonal().array() += kRidge;
-    normal.compute(gram);
+    Eigen::MatrixXd information = gramOf(slope);
+    information.diagonal() += prior_weight.cwiseAbs2();
+    length = information.diagonal().cwiseSqrt().cwiseMax(1e-150);
+    information = length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
+    information.diagonal().array() += kRidge;
+    normal.compute(information);
   }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const {

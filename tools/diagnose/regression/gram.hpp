@@ -1,0 +1,16 @@
+// Products of columns with each other.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace patella::diagnose {
+
+/// columnsᵀ·columns, whose one half is worked out and the other copied.
+template <typename Columns>
+Eigen::MatrixXd gramOf(const Eigen::MatrixBase<Columns>& columns) {
+  Eigen::MatrixXd half = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  half.selfadjointView<Eigen::Lower>().rankUpdate(columns.derived().transpose());
+  return half.selfadjointView<Eigen::Lower>();
+}
+
+}  // namespace patella::diagnose
