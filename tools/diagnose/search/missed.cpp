@@ -41,8 +41,9 @@ double priorRelief(const ModelFit& smaller, const ModelFit& larger) {
   for (std::size_t t = 0; t < smaller.terms.size(); ++t) {
     const Term& term = smaller.terms[t];
     const bool is_replaced = std::any_of(larger.terms.begin(), larger.terms.end(), [&](const Term& other) {
-      return std::any_of(other.replaced.begin(), other.replaced.end(),
-                         [&](const Term& old) { return old.recipe == term.recipe; });
+      return std::any_of(other.replaced.begin(), other.replaced.end(), [&](const Term& old) {
+        return old.recipe == term.recipe && other.recipe->kind != term.recipe->kind;
+      });
     });
     if (is_replaced) {
       relief -= smaller.prior_residual

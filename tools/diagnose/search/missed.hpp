@@ -14,8 +14,8 @@ bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const Mode
 
 /// Squared standard deviations by which what is known beforehand had to move to make up for what the larger
 /// fit has; in the scale of the larger one. From accepted::kMoved on that matters, however little is left to
-/// explain. A declared effect in whose place the larger fit has another does not count: it is not back at its
-/// values, it is gone.
+/// explain. A declared effect in whose place the larger fit has one of another kind does not count: it is not
+/// back at its values, it is gone.
 double priorRelief(const ModelFit& smaller, const ModelFit& larger);
 
 }  // namespace patella::diagnose
