@@ -9,6 +9,7 @@ virtual time, and looks at its memory only. Exit status 77 where there is no Chr
 """
 import csv
 import json
+import math
 import os
 import re
 import signal
@@ -325,12 +326,19 @@ def look_at_speed(browser, check):
     scrub(browser, 62.5)
     time.sleep(3)
     browser.call("Performance.enable")
-    used, pictures = processor_s(browser), browser.evaluate(PICTURES)
-    browser.evaluate(SCRUB)
-    used, pictures = processor_s(browser) - used, browser.evaluate(PICTURES) - pictures
-    # Processor time and not pictures a second: a host with other work gives the browser a part of its time.
-    check(pictures > 0 and used < pictures / 30, f"with 60 s at 1 kHz in the window a picture takes {1e3 * used / max(pictures, 1):.1f} ms of a "
-          f"processor; here there were {pictures / 4:.0f} a second")
+    # Processor time and not pictures a second: a host with other work gives the browser a part of its time. The best of
+    # three, as what runs beside it takes caches and memory away.
+    least_ms = math.inf
+    for _ in range(3):
+        used, pictures = processor_s(browser), browser.evaluate(PICTURES)
+        browser.evaluate(SCRUB)
+        used, pictures = processor_s(browser) - used, browser.evaluate(PICTURES) - pictures
+        if pictures > 0:
+            least_ms = min(least_ms, 1e3 * used / pictures)
+        if least_ms < 1e3 / 30:
+            break
+    check(least_ms < 1e3 / 30, f"with 60 s at 1 kHz in the window a picture takes {least_ms:.1f} ms of a processor; here there were "
+          f"{pictures / 4:.0f} a second")
     browser.evaluate('document.getElementById("play").click()')
     moved, _ = until(browser, f"Number(/[\\d.]+/.exec({SHOWN_TIME})[0]) > 64", 15)
     check(moved, f"played, time goes on: {browser.evaluate(SHOWN_TIME)}")
