@@ -43,7 +43,8 @@ struct EffectDescriptor {
   /// The torque is what arrives of the drive's torque, less that torque: a lag, a delay, a motor behind a
   /// spring. A command that balanced it would be fed back to itself and ring.
   bool of_drive = false;
-  bool has_inertia = false;  ///< inertia() may be other than zero
+  /// inertia() may be other than zero. Without one, the torque acts on the joint alone.
+  bool has_inertia = false;
 };
 
 /// A drive's torque is that of its command delay_s before, behind a first-order low-pass of lag_s.

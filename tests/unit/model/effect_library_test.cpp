@@ -58,7 +58,7 @@ bool isStateful(std::string_view kind) {
 
 }  // namespace
 
-TEST_CASE("the kinds that say so have an inertia, and no others") {
+TEST_CASE("the kinds that say so have an inertia; the others act on their own joint alone") {
   std::set<std::string_view> with_inertia;
   forEveryEffect([&](const EffectDescriptor& descriptor, const char*, const Mechanism& mechanism, int joint) {
     std::vector<double> parameters;
@@ -72,6 +72,14 @@ TEST_CASE("the kinds that say so have an inertia, and no others") {
       if (!effect->inertia(state.q).isZero(0.0)) {
         with_inertia.insert(descriptor.kind);
       }
+      EffectInput input;
+      input.q = state.q;
+      input.dq = state.dq;
+      input.torque_Nm = state.ddq;
+      effect->reset(input);
+      JointVector others = effect->torque(input);
+      others[joint] = 0.0;
+      CHECK((descriptor.has_inertia || others.isZero(0.0)));
     }
   });
   for (const EffectDescriptor* descriptor : effectCatalogue()) {

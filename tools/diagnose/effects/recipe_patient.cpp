@@ -105,7 +105,9 @@ Recipe passiveKneeMoment(const Motion& motion) {
   const auto shape = [=](Numbers nu, double flexion, double extension, double offset) {
     Parameters parameters("passive_knee_moment");
     for (std::size_t i = 0; i < kSlopes.size(); ++i) {
-      parameters.set(kSlopes[i], typical.of(kSlopes[i]).initial * std::exp(nu[i]));
+      // A branch that is off keeps its slopes, so that its column is worked out once.
+      const double branch = i < kSlopes.size() / 2 ? flexion : extension;
+      parameters.set(kSlopes[i], typical.of(kSlopes[i]).initial * std::exp(branch > 0.0 ? nu[i] : 0.0));
     }
     parameters.set("flexion_log_Nm", flexion > 0.0 ? std::log(flexion) : silent);
     parameters.set("extension_log_Nm", extension > 0.0 ? std::log(extension) : silent);

@@ -16,17 +16,9 @@
 namespace patella::diagnose {
 namespace {
 
-/// Numbers in kept bases before the store is emptied: those of a search and of one fit have room in it.
+/// Numbers in kept columns before the store is emptied: those of a search and of one fit have room in it.
 constexpr Eigen::Index kCachedNumbers = 25'000'000;
 constexpr int kIterations = 25;
-
-std::string cacheKey(const Recipe& recipe, std::span<const double> nu) {
-  std::string key = recipe.label() + recipe.variant;
-  for (const double value : nu) {
-    key += fmt::format(" {}", value);
-  }
-  return key;
-}
 
 Eigen::Index shapeIndex(const ModelFit& fit, std::size_t term, std::size_t k) {
   return fit.offset[term] + static_cast<Eigen::Index>(fit.terms[term].c.size() + k);
@@ -197,19 +189,19 @@ Eigen::MatrixXd ModelFitter::regressorOf(const ModelFit& fit) {
   return regressor;
 }
 
-// The result that was worked out under this name before, or is now.
-Eigen::MatrixXd ModelFitter::cached(const std::string& key,
-                                    const std::function<Eigen::MatrixXd()>& work_out) {
+const Column& ModelFitter::columnOf(const Recipe& recipe, const std::vector<double>& parameters) {
+  const std::string key = fmt::format("{}@{}{} {}", recipe.kind, recipe.joint,
+                                      recipe.by_asked_torque ? " asked" : "", fmt::join(parameters, " "));
   if (const auto found = cache_.find(key); found != cache_.end()) {
     return found->second;
   }
-  if (cached_numbers_ > kCachedNumbers) {
+  if (static_cast<Eigen::Index>(cache_.size()) * torque_.size() > kCachedNumbers) {
     cache_.clear();
-    cached_numbers_ = 0;
   }
-  const Eigen::MatrixXd& basis = cache_.emplace(key, work_out()).first->second;
-  cached_numbers_ += basis.size();
-  return basis;
+  const auto effect = model::makeEffect(recipe.kind, recipe.joint, bare_.mechanism(), parameters);
+  return cache_
+      .emplace(key, recipe.by_asked_torque ? data_->askedEffectTorque(*effect) : data_->effectTorque(*effect))
+      .first->second;
 }
 
 Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double> nu) {
@@ -224,19 +216,14 @@ Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double>
   if (recipe.shifts_angle) {
     return shift(recipe.joint, nu[0]) * bare_.mechanism().baseParameters();
   }
-  return cached(cacheKey(recipe, nu), [&] {
-    const auto bases = recipe.basis(nu);
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));
-    for (std::size_t i = 0; i < bases.size(); ++i) {
-      for (const BasisTerm& term : bases[i]) {
-        const auto effect = model::makeEffect(recipe.kind, recipe.joint, bare_.mechanism(), term.parameters);
-        columns.col(static_cast<Eigen::Index>(i)) +=
-            term.weight *
-            (recipe.by_asked_torque ? data_->askedEffectTorque(*effect) : data_->effectTorque(*effect));
-      }
+  const auto bases = recipe.basis(nu);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));
+  for (std::size_t i = 0; i < bases.size(); ++i) {
+    for (const BasisTerm& term : bases[i]) {
+      columns.col(static_cast<Eigen::Index>(i)) += term.weight * columnOf(recipe, term.parameters);
     }
-    return columns;
-  });
+  }
+  return columns;
 }
 
 // Residual and derivatives by every free parameter at the fit's present values.

@@ -107,7 +107,8 @@ class ModelFitter {
   /// Columns of such torques as the drives are told (Recipe::scales_all).
   Eigen::MatrixXd scaled(const ModelFit& fit, Eigen::MatrixXd columns) const;
   Eigen::VectorXd unexplained(const ModelFit& fit);
-  Eigen::MatrixXd cached(const std::string& key, const std::function<Eigen::MatrixXd()>& work_out);
+  /// Of a recipe's effect with these parameters, worked out once.
+  const Column& columnOf(const Recipe& recipe, const std::vector<double>& parameters);
   void solve(ModelFit& fit, const Weighting& weighting);
   void linearise(ModelFit& fit);
   void addDeclared(const model::ModelDescription& nominal);
@@ -125,8 +126,7 @@ class ModelFitter {
   std::vector<Term> declared_;
   double prior_scale_ = 1.0;
   std::vector<model::EffectDescription> fixed_;  ///< declared effects that are kept as they are
-  std::map<std::string, Eigen::MatrixXd> cache_;
-  Eigen::Index cached_numbers_ = 0;
+  std::map<std::string, Column> cache_;
   std::map<int, AngleShift> shifts_;  ///< by joint, once one is asked for
 };
 

@@ -321,17 +321,38 @@ Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
 }
 
 template <typename Input>
+Column Dataset::ownJointColumn(model::Effect& effect, Input input) const {
+  const int joint = effect.joint();
+  Column result = Column::Zero(rows_ * joints_);
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    const Series& series = series_[s];
+    Samples raw(series.states.size());
+    effect.reset(input(series, 0));
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      const model::EffectInput& state = input(series, i);
+      if (i > 0) {
+        effect.advance(state, 1.0 / series.rate_Hz);
+      }
+      raw[i] = -effect.torque(state)[joint];
+    }
+    result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) =
+        band(raw, series.rate_Hz);
+  }
+  return result;
+}
+
+template <typename Input>
 Column Dataset::effectColumn(model::Effect& effect, Input input) const {
-  const bool has_inertia = effect.descriptor().has_inertia;
+  if (!effect.descriptor().has_inertia) {
+    return ownJointColumn(effect, input);
+  }
   return columnOf([&](const Series& series) { effect.reset(input(series, 0)); },
                   [&](const Series& series, std::size_t i) -> JointVector {
                     const model::EffectInput& state = input(series, i);
                     if (i > 0) {
                       effect.advance(state, 1.0 / series.rate_Hz);
                     }
-                    const JointVector given = effect.torque(state);
-                    return has_inertia ? JointVector(effect.inertia(state.q) * series.acceleration[i] - given)
-                                       : JointVector(-given);
+                    return effect.inertia(state.q) * series.acceleration[i] - effect.torque(state);
                   });
 }
 

@@ -109,6 +109,9 @@ class Dataset {
   /// As effectTorque(), of an effect that takes input(series, i).
   template <typename Input>
   Column effectColumn(model::Effect& effect, Input input) const;
+  /// The same of an effect without inertia, which acts on its own joint alone.
+  template <typename Input>
+  Column ownJointColumn(model::Effect& effect, Input input) const;
   Eigen::VectorXd band(std::span<const double> signal, double rate_Hz) const;
   std::size_t edgeSamples(double rate_Hz) const noexcept;
   /// Recordings of different rates come to about the same: each series keeps one of so many of its samples.
