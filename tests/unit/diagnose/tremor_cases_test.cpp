@@ -35,6 +35,10 @@ TEST_CASE("a tremor beyond the motion's band is no drive with a soft spring") {
   }
 }
 
+TEST_CASE("a tremor that moves the leg is no torque that comes too early") {
+  CHECK(onlyFinding(7311000003) == "tremor");
+}
+
 TEST_CASE("a tremor whose phase wanders is named, and makes nothing worse on other data") {
   const diagnose::Diagnosis diagnosis = diagnosed(multisine(120000041, Suite::kSingle));
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
