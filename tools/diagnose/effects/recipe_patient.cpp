@@ -105,9 +105,7 @@ Recipe passiveKneeMoment(const Motion& motion) {
   const auto shape = [=](Numbers nu, double flexion, double extension, double offset) {
     Parameters parameters("passive_knee_moment");
     for (std::size_t i = 0; i < kSlopes.size(); ++i) {
-      // A branch that is off keeps its slopes, so that its column is worked out once.
-      const double branch = i < kSlopes.size() / 2 ? flexion : extension;
-      parameters.set(kSlopes[i], typical.of(kSlopes[i]).initial * std::exp(branch > 0.0 ? nu[i] : 0.0));
+      parameters.set(kSlopes[i], typical.of(kSlopes[i]).initial * std::exp(nu[i]));
     }
     parameters.set("flexion_log_Nm", flexion > 0.0 ? std::log(flexion) : silent);
     parameters.set("extension_log_Nm", extension > 0.0 ? std::log(extension) : silent);
@@ -115,6 +113,16 @@ Recipe passiveKneeMoment(const Motion& motion) {
     return std::vector<double>(parameters);
   };
   recipe.parameters = [=](Numbers c, Numbers nu) { return shape(nu, c[0], c[1], c[2]); };
+  // Each branch with its own slopes alone: its column stays where those of the other one move.
+  recipe.basis = [=](Numbers nu) -> std::vector<std::vector<BasisTerm>> {
+    constexpr double kProbe_Nm = 0.1;
+    const std::array flexion{nu[0], nu[1], 0.0, 0.0};
+    const std::array extension{0.0, 0.0, nu[2], nu[3]};
+    const std::array none{0.0, 0.0, 0.0, 0.0};
+    return {{{.weight = 1.0 / kProbe_Nm, .parameters = shape(flexion, kProbe_Nm, 0.0, 0.0)}},
+            {{.weight = 1.0 / kProbe_Nm, .parameters = shape(extension, 0.0, kProbe_Nm, 0.0)}},
+            {{.weight = 1.0 / kProbe_Nm, .parameters = shape(none, 0.0, 0.0, kProbe_Nm)}}};
+  };
   if (!at_rest) {
     // Logarithm of a branch over the published one, at the end of the motion where it is largest.
     const auto over = [=](double factor, const char* log, const char* slope, double nu, double angle_rad) {
