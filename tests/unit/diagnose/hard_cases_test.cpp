@@ -67,7 +67,15 @@ TEST_CASE("damping far from what the model declares is found, though the declare
 }
 
 TEST_CASE("tissue is found where the motion reaches one end of its range only") {
-  CHECK(onlyFinding(7601000007) == "passive_knee_moment");
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(7601000007, Suite::kSingle));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  // Within so small a motion a spring bends as much.
+  const diagnose::EffectFinding& effect = diagnosis.effects.front();
+  CAPTURE(effect.kind);
+  const auto& others = effect.indistinguishable_from;
+  CHECK((effect.kind == "passive_knee_moment" ||
+         std::find(others.begin(), others.end(), "passive_knee_moment") != others.end()));
 }
 
 TEST_CASE("a peak of friction close to rest is found") {
