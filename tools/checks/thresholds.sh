@@ -43,11 +43,11 @@ numerics="
 fit/kDifference fit/kFarthestSlide_m fit/kLargestLogarithm fit/kLargest_rad fit/kNextToNothing fit/kRelativeStep
 fit/kRounding fit/kSimulationWindow_s
 checks/kAny checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDelay_s checks/kLongestLag_s
-checks/kMillisecond checks/kPercent checks/kPerResolution checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns
+checks/kMillisecond checks/kPerResolution checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns
 search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kLargestLogarithm search/kLastSteps search/kLeastVariance_Nm2
-search/kOffTheBound search/kSlowest_rad_s search/kSpanned
+search/kOffTheBound search/kSlowest_rad_s search/kSpanned search/kSpannedExactly
 verdict/kBand_Hz verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
-verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kPercent verdict/kRate_Hz verdict/kRidge
+verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kRate_Hz verdict/kRidge
 verdict/kSmall verdict/kSmoothing_Hz verdict/kStep verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s
 "
 used=""

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over the product's sources (not the tests) with the compile commands of a build folder.
 
-    tools/checks/tidy.py BUILD_DIR            a folder that has been built: what includes what is known from there
+    tools/checks/tidy.py BUILD_DIR            a folder that has been configured with Ninja
     tools/checks/tidy.py BUILD_DIR --alone    each source by itself, so that an include that is missing is found, too
 
 Most of clang-tidy's time goes into the headers of Eigen and of the standard library. So sources that are compiled in the same
@@ -43,38 +43,40 @@ class Sources:
     """What is built, in which way, and from which files of the project."""
 
     def __init__(self, build):
-        commands = json.loads((build / "compile_commands.json").read_text())
-        self.included = self._included(build)
         self.entries = {}
-        for entry in commands:
-            path = os.path.relpath(entry["file"], ROOT)
-            # Clang 14 does not parse libtorch's headers as C++20.
-            if path.split("/")[0] in FOLDERS and not path.split("/")[-1].startswith("torch_"):
-                # Clang cannot read what GCC has precompiled.
-                entry["command"] = re.sub(r" -Winvalid-pch -include \S*/cmake_pch\.hxx", "", entry["command"])
-                self.entries.setdefault(path, entry)
-        for path in self.entries:
-            if path not in self.included:
-                fail(f"{path} was not built in {build}, expected a complete build")
+        self.direct = {}
+        for entry in json.loads((build / "compile_commands.json").read_text()):
+            # Clang cannot read what GCC has precompiled.
+            entry["command"] = re.sub(r" -Winvalid-pch -include \S*/cmake_pch\.hxx", "", entry["command"])
+            for file in self._grouped(entry["file"]):
+                path = os.path.relpath(file, ROOT)
+                # Clang 14 does not parse libtorch's headers as C++20.
+                if path.split("/")[0] in FOLDERS and not path.split("/")[-1].startswith("torch_"):
+                    own = dict(entry, file=file, command=entry["command"].replace(entry["file"], file))
+                    self.entries.setdefault(path, own)
 
     @staticmethod
-    def _included(build):
-        listing = subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout
-        included = {}
-        source = None
-        for line in listing.splitlines():
-            if "#deps" in line:
-                source = None
-            elif line.startswith(" "):
-                path = os.path.relpath(os.path.join(build, line.strip()), ROOT)
-                if not path.startswith("../") and not path.startswith("build/"):
-                    source = source or path
-                    included.setdefault(source, set()).add(path)
-        return included
+    def _grouped(file):
+        """The sources that are compiled as one, or the source itself."""
+        if "/Unity/unity_" not in file:
+            return [file]
+        return re.findall(r'^#include "(.*)"$', pathlib.Path(file).read_text(), re.MULTILINE)
+
+    def _included(self, path):
+        """The project's files that one names, itself among them, and those that they name."""
+        found, waiting = set(), [path]
+        while waiting:
+            file = waiting.pop()
+            if file not in found and (ROOT / file).is_file():
+                found.add(file)
+                if file not in self.direct:
+                    self.direct[file] = re.findall(r'^#include "(.*)"$', (ROOT / file).read_text(), re.MULTILINE)
+                waiting += self.direct[file]
+        return found
 
     def digest(self, path, rules):
         text = hashlib.sha1(f"{rules} {path}".encode())
-        for file in sorted(self.included[path]):
+        for file in sorted(self._included(path)):
             text.update((ROOT / file).read_bytes())
         return text.hexdigest()
 
@@ -150,7 +152,7 @@ def main():
     arguments = parser.parse_args()
     build = arguments.build.resolve()
     if not (build / "build.ninja").exists():
-        fail(f"'{arguments.build}', expected a folder that was built with Ninja")
+        fail(f"'{arguments.build}', expected a folder that was configured with Ninja")
 
     passed = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache")) / "patella-tidy"
     passed.mkdir(parents=True, exist_ok=True)

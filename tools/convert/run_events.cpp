@@ -7,13 +7,13 @@
 namespace patella::convert {
 namespace {
 
-constexpr std::size_t kLongestLine = 10'000;
+constexpr std::size_t kLongestEvent = 10'000;
 
 }  // namespace
 
 RunEvents::RunEvents(const std::filesystem::path& file) : name_(file.string()) {
   if (std::filesystem::exists(file)) {
-    lines_.emplace(file, kLongestLine);
+    lines_.emplace(file, kLongestEvent);
     advance();
   }
 }

@@ -8,7 +8,7 @@
 namespace patella::convert {
 namespace {
 
-constexpr std::size_t kLongestLine = 1'000'000;
+constexpr std::size_t kLongestRow = 1'000'000;
 
 /// Calls visit(cell) for each cell of a line.
 template <typename Visitor>
@@ -25,7 +25,7 @@ void forEachCell(std::string_view line, Visitor&& visit) {
 
 }  // namespace
 
-RunRows::RunRows(const std::filesystem::path& file) : name_(file.string()), lines_(file, kLongestLine) {
+RunRows::RunRows(const std::filesystem::path& file) : name_(file.string()), lines_(file, kLongestRow) {
   if (!lines_.next(line_) || line_.empty()) {
     throw app::FileError(name_ + ": is empty, expected the columns of a run");
   }

@@ -24,14 +24,13 @@
 #include "tools/diagnose/output/result_folder.hpp"
 #include "tools/diagnose/plan/motion_plan.hpp"
 #include "tools/diagnose/plan/repair.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/options/number_range.hpp"
 
 namespace patella::diagnose {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kPercent = 100.0;
 
 struct Arguments {
   bool plan = false;

@@ -16,7 +16,7 @@
 namespace patella::diagnose {
 namespace {
 
-constexpr std::size_t kMostListed = 12;
+constexpr std::size_t kMostNamesListed = 12;
 
 struct Delimiter {
   char letter;
@@ -53,7 +53,7 @@ std::string otherDelimiter(std::span<const std::string> header, const HeaderForm
 }
 
 std::string found(std::span<const std::string> header) {
-  const std::size_t listed = std::min(header.size(), kMostListed);
+  const std::size_t listed = std::min(header.size(), kMostNamesListed);
   return "the file has " + app::quotedList(header.first(listed)) +
          (listed < header.size() ? fmt::format(" and {} more", header.size() - listed) : "");
 }

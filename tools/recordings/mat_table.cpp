@@ -21,7 +21,7 @@ namespace {
 
 using app::FileError;
 
-constexpr std::size_t kMostListed = 20;
+constexpr std::size_t kMostVariablesListed = 20;
 
 struct CloseFile {
   void operator()(mat_t* file) const noexcept { Mat_Close(file); }
@@ -61,7 +61,7 @@ class Listing {
  public:
   void add(const std::string& name, const matvar_t* variable) {
     names_.push_back(name);
-    if (names_.size() <= kMostListed) {
+    if (names_.size() <= kMostVariablesListed) {
       text_ += (text_.empty() ? "" : ", ") + name +
                (variable == nullptr ? std::string(" (empty)") : " (" + sizeOf(*variable) + ")");
     }
@@ -69,9 +69,9 @@ class Listing {
   const std::vector<std::string>& names() const noexcept { return names_; }
   std::string text() const {
     return text_.empty() ? "nothing"
-           : names_.size() <= kMostListed
+           : names_.size() <= kMostVariablesListed
                ? text_
-               : text_ + " and " + std::to_string(names_.size() - kMostListed) + " more";
+               : text_ + " and " + std::to_string(names_.size() - kMostVariablesListed) + " more";
   }
 
  private:

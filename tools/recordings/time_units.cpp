@@ -15,13 +15,13 @@ namespace {
 
 using namespace time_units;
 
-struct Unit {
+struct TimeUnit {
   const char* name;
   double in_s;
 };
-constexpr std::array kShorter{Unit{"milliseconds, or numbers of samples", 1e-3}, Unit{"microseconds", 1e-6},
-                              Unit{"nanoseconds", 1e-9}};
-constexpr std::array kLonger{Unit{"minutes", 60.0}, Unit{"hours", 3600.0}, Unit{"days", 86400.0}};
+constexpr std::array kShorter{TimeUnit{"milliseconds, or numbers of samples", 1e-3},
+                              TimeUnit{"microseconds", 1e-6}, TimeUnit{"nanoseconds", 1e-9}};
+constexpr std::array kLonger{TimeUnit{"minutes", 60.0}, TimeUnit{"hours", 3600.0}, TimeUnit{"days", 86400.0}};
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void requireSeconds(const RawRecording& recording, std::span<const double> stamp
     return;
   }
   std::string look;
-  for (const Unit& unit : step_s >= kLongestStep_s ? kShorter : kLonger) {
+  for (const TimeUnit& unit : step_s >= kLongestStep_s ? kShorter : kLonger) {
     const double rate_Hz = 1.0 / (step_s * unit.in_s);
     if (look.empty() && rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) {
       look = fmt::format(": looks like {}", unit.name);

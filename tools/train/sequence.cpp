@@ -9,9 +9,9 @@ namespace {
 using network::OutputKind;
 
 /// Mean and standard deviation of columns over the steps that are trained on.
-class Moments {
+class ColumnMoments {
  public:
-  explicit Moments(Eigen::Index columns)
+  explicit ColumnMoments(Eigen::Index columns)
       : sum_(Eigen::VectorXd::Zero(columns)), squares_(Eigen::VectorXd::Zero(columns)) {}
 
   void add(const Rows& rows, const std::vector<Role>& role) {
@@ -65,8 +65,8 @@ network::NetworkWeights frameOf(std::span<const Sequence> sequences, const std::
     throw std::invalid_argument("there is no recording to train on");
   }
   const Sequence& first = sequences.front();
-  Moments of_features(first.features.cols());
-  Moments of_target(first.reference.cols());
+  ColumnMoments of_features(first.features.cols());
+  ColumnMoments of_target(first.reference.cols());
   for (const Sequence& sequence : sequences) {
     of_features.add(sequence.features, sequence.role);
     of_target.add(targetOf(sequence, output), sequence.role);

@@ -105,9 +105,9 @@ Recording halfDriven(double bias_Nm) {
   return recording;
 }
 
-std::vector<ReadAs> wrongIn(const Recording& recording) {
-  Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
-  return wrongConventions(reader, reader.asGiven(), columnNames(arm()));
+std::vector<ReadAs> wrongIn(const Recording& recording, const model::ModelDescription& model = arm()) {
+  Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
+  return wrongConventions(reader, reader.asGiven(), columnNames(model));
 }
 
 bool isAmong(const std::vector<ReadAs>& found, ConventionKind kind, int joint, double number = 0.0,
@@ -204,6 +204,22 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
     recording.torque_Nm[1] = later(recording.torque_Nm[1], 20);
     CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.1, 0.02));
   }
+}
+
+TEST_CASE("a torque that comes too early may be that of a late drive, and is where the model declares one") {
+  constexpr std::ptrdiff_t kRows = 10;
+  constexpr double kEarly_s = kRows / 200.0;
+  Recording recording = swinging();
+  std::vector<double>& torque = recording.torque_Nm[1];
+  std::rotate(torque.begin(), torque.begin() + kRows, torque.end());
+  std::fill(torque.end() - kRows, torque.end(), torque[torque.size() - kRows - 1]);
+  const std::vector<ReadAs> found = wrongIn(recording);
+  REQUIRE(isAmong(found, ConventionKind::kTorqueShift, 1, -kEarly_s, 0.02));
+  CHECK(found.front().convention.mistake.find("declare actuator_delay") != std::string::npos);
+
+  model::ModelDescription late = arm();
+  late.effects.push_back({.kind = "actuator_delay", .joint = 1, .parameters = {kEarly_s}});
+  CHECK(wrongIn(recording, late).empty());
 }
 
 TEST_CASE("a number at the end of its range is none: the best would lie beyond") {

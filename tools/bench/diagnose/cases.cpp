@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 
+#include "tools/bench/diagnose/constants.hpp"
 #include "tools/bench/diagnose/draw_effect.hpp"
 #include "tools/bench/diagnose/nominal_directions.hpp"
 #include "tools/bench/diagnose/random.hpp"
 
 namespace patella::bench {
 namespace {
-
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 TrueEffect scaled(TrueEffect effect, double factor) {
   for (std::size_t i = 0; i < kMaxParameters; ++i) {

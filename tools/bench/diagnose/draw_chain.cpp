@@ -1,11 +1,12 @@
 #include "tools/bench/diagnose/draw_chain.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "tools/bench/diagnose/constants.hpp"
 
 namespace patella::bench {
 namespace {
@@ -15,7 +16,6 @@ using Eigen::Vector3d;
 using model::ChainJoint;
 using model::ChainLink;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGravity_m_s2 = 9.81;
 
 Vector3d anyDirection(Random& random) {

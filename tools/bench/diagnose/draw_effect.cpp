@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
+
+#include "tools/bench/diagnose/constants.hpp"
 
 namespace patella::bench {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kTurn = 2.0 * kPi;
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 // How big things are at a joint, so that effects can be drawn in proportion.
 struct Scale {

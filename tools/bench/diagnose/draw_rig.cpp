@@ -1,18 +1,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string_view>
 
 #include "tools/bench/diagnose/cases.hpp"
+#include "tools/bench/diagnose/constants.hpp"
 #include "tools/bench/diagnose/draw_chain.hpp"
 #include "tools/bench/diagnose/random.hpp"
 
 namespace patella::bench {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // A machine with its way of moving and the noise that goes with its size.
 struct Machine {

@@ -11,14 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Rig {
+struct RigFiles {
   const char* folder;
   const char* prefix;  ///< of its files
   const char* columns;
   fs::path model;
 };
 
-std::vector<Rig> rigs(const fs::path& source) {
+std::vector<RigFiles> rigs(const fs::path& source) {
   const fs::path maps = source / "tools/diagnose/maps";
   const fs::path c1 = source / "firmware_app/config/models/double_pendulum.toml";
   return {
@@ -59,7 +59,7 @@ std::set<fs::path> filesOf(const fs::path& folder, const std::string& prefix) {
 
 std::vector<MeasuredRecording> measuredRecordings(const fs::path& data, const fs::path& source) {
   std::vector<MeasuredRecording> all;
-  for (const Rig& rig : rigs(source)) {
+  for (const RigFiles& rig : rigs(source)) {
     const model::ModelDescription model = app::loadModel(rig.model);
     for (const fs::path& file : filesOf(data / rig.folder, rig.prefix)) {
       all.push_back(

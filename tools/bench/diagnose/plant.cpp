@@ -5,16 +5,14 @@
 
 #include <Eigen/Cholesky>
 
+#include "tools/bench/diagnose/constants.hpp"
+
 namespace patella::bench {
 namespace {
 
 // Of a tick. A chain's matrices change little in 100 µs, and cost more.
 constexpr std::size_t kSteps = 20;
 constexpr std::size_t kStepsOfChain = 10;
-
-double square(double value) {
-  return value * value;
-}
 
 // On the segment of the joint, which goes to the next joint's origin.
 void hangOn(model::SerialChainParameters& chain, std::size_t joint, double mass_kg, double distance_m) {

@@ -3,17 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/bench/diagnose/constants.hpp"
 #include "tools/bench/diagnose/plant.hpp"
 
 namespace patella::bench {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kTurn = 2.0 * std::numbers::pi;
-
-double square(double value) {
-  return value * value;
-}
 
 // Riener and Edrich 1999, the ankle at 0, without the stop of the straight knee: N·m that flexes.
 double passiveKneeFlexing_Nm(double knee_flexion_deg, double hip_flexion_deg) {

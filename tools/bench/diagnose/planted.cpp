@@ -264,8 +264,6 @@ std::string remark(const std::optional<diagnose::Diagnosis>& diagnosis, const Pl
   return doubts;
 }
 
-}  // namespace
-
 class PlantedCases {
  public:
   PlantedCases(const PlantedOptions& options, std::vector<Half> halves)
@@ -366,6 +364,8 @@ class PlantedCases {
   Counts sum_;
   std::map<std::string, Counts> by_rig_, by_kind_;
 };
+
+}  // namespace
 
 std::string runPlanted(const PlantedOptions& options) {
   const std::vector<MeasuredRecording> all = measuredRecordings(options.data, options.source);

@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "tools/bench/diagnose/constants.hpp"
 #include "tools/bench/diagnose/random.hpp"
 
 namespace patella::bench {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kSwingIn_s = 2.0;
 constexpr double kLost = std::numeric_limits<double>::quiet_NaN();
 // Streams of random numbers.

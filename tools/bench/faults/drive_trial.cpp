@@ -2,20 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "drivers/canopen/node_setup.hpp"
-#include "firmware_app/loop/loop.hpp"
-#include "firmware_app/recorder/run_account.hpp"
 #include "sim/loop_faults.hpp"
-#include "sim/simulated_bus.hpp"
 #include "tools/bench/faults/dice.hpp"
 #include "tools/bench/faults/expectation.hpp"
 #include "tools/bench/faults/scenario.hpp"
+#include "tools/bench/faults/trial_run.hpp"
 
 namespace patella::bench {
 namespace {
@@ -26,7 +23,7 @@ using sim::FrameChannel;
 
 /// Between the effect and the sample that shows it, the tick that sees it, and its own command. A motor that
 /// answers commands tells of a sample one tick later.
-constexpr double kMargin_s = 4e-3;
+constexpr double kDriveMargin_s = 4e-3;
 /// Beyond its range, for a leg that hangs free until its drives are in: it swings.
 constexpr double kSwing_rad = 0.8;
 
@@ -216,7 +213,8 @@ FaultEvent randomDriveFault(const app::RunConfig& base, Dice& dice) {
 // A drive of which nothing is heard for so long.
 std::optional<double> silentFor(const app::RunConfig& scenario, double effect_s, double duration_s) {
   const double timeout_s = scenario.bus.map.encoder_timeout_s;
-  return duration_s > timeout_s + kMargin_s ? std::optional(effect_s + timeout_s + kMargin_s) : std::nullopt;
+  return duration_s > timeout_s + kDriveMargin_s ? std::optional(effect_s + timeout_s + kDriveMargin_s)
+                                                 : std::nullopt;
 }
 
 double slowestHeartbeat_s(const app::RunConfig& scenario) {
@@ -233,8 +231,9 @@ std::optional<double> reported(const app::RunConfig& scenario, const FaultEvent&
   const sim::FieldDriveKind kind = scenario.rig.field_drives[static_cast<std::size_t>(event.channel)].kind;
   const double wait_s = kind == sim::FieldDriveKind::kOdrive ? slowestHeartbeat_s(scenario) : 0.0;
   const bool told = kind != sim::FieldDriveKind::kMit || event.kind == FaultKind::kDriveReportsFault;
-  return told && event.duration_s > wait_s + kMargin_s ? std::optional(event.time_s + wait_s + kMargin_s)
-                                                       : std::nullopt;
+  return told && event.duration_s > wait_s + kDriveMargin_s
+             ? std::optional(event.time_s + wait_s + kDriveMargin_s)
+             : std::nullopt;
 }
 
 }  // namespace
@@ -255,7 +254,7 @@ std::optional<double> owedByDrives_s(const app::RunConfig& scenario) {
     case FaultKind::kEmgSaturation:
     case FaultKind::kEmgDisconnection: {
       const auto owed_s = owedStop_s(scenario.faults, 0, effect_s, scenario);
-      return owed_s ? std::optional(*owed_s + kMargin_s) : std::nullopt;
+      return owed_s ? std::optional(*owed_s + kDriveMargin_s) : std::nullopt;
     }
     case FaultKind::kLostFrames:
       return drives ? silentFor(scenario, effect_s, event.duration_s) : std::nullopt;
@@ -293,46 +292,15 @@ app::RunConfig randomDriveScenario(const app::RunConfig& base, std::uint64_t see
 }
 
 TrialResult runDriveTrial(const app::RunConfig& scenario, std::uint64_t seed) {
-  VirtualClock clock;
-  const auto rig = app::makeRig(scenario);
-  const auto tick = app::makeTick(scenario);
-  can::MeasurementDecoder decoder = app::makeDecoder(scenario);
-  can::CommandEncoder encoder = app::makeEncoder(scenario);
-  sim::SimulatedBus bus(*rig, clock);
-  gpio::SimulatedPins pins;
-  DriveJudge judge(bus, scenario, pins);
-  sim::DisturbedClock loop_clock(clock, scenario.faults);
-  sim::DisturbedPins loop_pins(pins, loop_clock, scenario.faults);
-  sim::StallProbe stalls(loop_clock);
-  app::RunAccount account;
-  app::Loop loop({.options = scenario.loop,
-                  .clock = loop_clock,
-                  .bus = judge,
-                  .pins = loop_pins,
-                  .decoder = decoder,
-                  .encoder = encoder,
-                  .tick = *tick,
-                  .sink = account,
-                  .canopen = scenario.bus.canopen});
-  loop.probedBy(stalls);
-  const std::int64_t epoch_ns = clock.now();
+  TrialRun<DriveJudge> run(scenario);
+  DriveJudge& judge = run.judge;
+  const std::int64_t epoch_ns = run.clock.now();
   if (isCanopen(scenario)) {
-    canopen::setUpNodes(judge, clock, scenario.bus.canopen, 1.0 / scenario.loop.rate_Hz);
+    canopen::setUpNodes(judge, run.clock, scenario.bus.canopen, 1.0 / scenario.loop.rate_Hz);
   }
   judge.begin(epoch_ns);
-  const std::atomic<bool> stop{false};
-  loop.run(stop);
-
-  TrialResult result;
-  result.seed = seed;
-  result.faults = scenario.faults;
-  result.limit_violations = judge.violations;
+  TrialResult result = run.result(seed);
   result.unlatched = judge.after_stop;
-  result.was_active = judge.first_active_s >= 0.0 && judge.first_active_s < kFirstFault_s;
-  const bool at_the_end = judge.stopped_s >= kTrialDuration_s - 1e-3;
-  result.stopped_s = at_the_end ? -1.0 : judge.stopped_s;
-  result.stopped_before = result.stopped_s >= 0.0 && result.stopped_s < kFirstFault_s;
-  result.first_cause = account.statistics().latched.first();
   const auto owed_s = owedByDrives_s(scenario);
   if (owed_s && *owed_s < kTrialDuration_s - 5e-3) {
     const FaultEvent& event = scenario.faults.front();

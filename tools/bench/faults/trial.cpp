@@ -1,18 +1,15 @@
 #include "tools/bench/faults/trial.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <optional>
 
 #include "core/safety/leaky_score.hpp"
-#include "firmware_app/loop/loop.hpp"
-#include "firmware_app/recorder/run_account.hpp"
 #include "sim/loop_faults.hpp"
-#include "sim/simulated_bus.hpp"
 #include "tools/bench/faults/expectation.hpp"
 #include "tools/bench/faults/scenario.hpp"
 #include "tools/bench/faults/stall_schedule.hpp"
+#include "tools/bench/faults/trial_run.hpp"
 
 namespace patella::bench {
 namespace {
@@ -239,42 +236,10 @@ std::vector<Reaction> reactions(const app::RunConfig& scenario, const sim::Rig& 
 }  // namespace
 
 TrialResult runTrial(const app::RunConfig& scenario, std::uint64_t seed) {
-  VirtualClock clock;
-  const auto rig = app::makeRig(scenario);
-  const auto tick = app::makeTick(scenario);
-  can::MeasurementDecoder decoder = app::makeDecoder(scenario);
-  can::CommandEncoder encoder = app::makeEncoder(scenario);
-  sim::SimulatedBus bus(*rig, clock);
-  gpio::SimulatedPins pins;
-  Judge judge(bus, scenario, pins);
-  sim::DisturbedClock loop_clock(clock, scenario.faults);
-  sim::DisturbedPins loop_pins(pins, loop_clock, scenario.faults);
-  sim::StallProbe stalls(loop_clock);
-  app::RunAccount account;
-  app::Loop loop({.options = scenario.loop,
-                  .clock = loop_clock,
-                  .bus = judge,
-                  .pins = loop_pins,
-                  .decoder = decoder,
-                  .encoder = encoder,
-                  .tick = *tick,
-                  .sink = account});
-  loop.probedBy(stalls);
-  const std::atomic<bool> stop{false};
-  loop.run(stop);
-
-  TrialResult result;
-  result.seed = seed;
-  result.faults = scenario.faults;
-  result.limit_violations = judge.violations;
-  result.unlatched = judge.enabled_after_fault;
-  result.was_active = judge.first_active_s >= 0.0 && judge.first_active_s < kFirstFault_s;
-  // The frames that end a run are no reaction.
-  const bool at_the_end = judge.stopped_s >= kTrialDuration_s - 1e-3;
-  result.stopped_s = at_the_end ? -1.0 : judge.stopped_s;
-  result.stopped_before = result.stopped_s >= 0.0 && result.stopped_s < kFirstFault_s;
-  result.first_cause = account.statistics().latched.first();
-  result.reactions = reactions(scenario, *rig, judge, result.stopped_s);
+  TrialRun<Judge> run(scenario);
+  TrialResult result = run.result(seed);
+  result.unlatched = run.judge.enabled_after_fault;
+  result.reactions = reactions(scenario, *run.rig, run.judge, result.stopped_s);
   return result;
 }
 

@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kAll = -1;
 
 struct Unit {
   const char* name;    ///< "in degrees"
@@ -51,7 +50,7 @@ std::string tau(int joint) {
 }
 
 bool of(int joint, Eigen::Index index) {
-  return joint == kAll || joint == index;
+  return joint == kAllJoints || joint == index;
 }
 
 class Known {
@@ -68,7 +67,7 @@ class Known {
 
   std::vector<Convention> counts() {
     constexpr int kFewestBits = 10, kMostBits = 24;
-    for (int joint = names_.joints > 1 ? kAll : 0; joint < names_.joints; ++joint) {
+    for (int joint = names_.joints > 1 ? kAllJoints : 0; joint < names_.joints; ++joint) {
       for (int bits = kFewestBits; bits <= kMostBits; ++bits) {
         const double recorded = std::ldexp(1.0, bits) / kTurn;
         addPositions(named(ConventionKind::kPositionUnit, joint,
@@ -82,7 +81,7 @@ class Known {
   }
 
   std::vector<Convention> all() {
-    for (int joint = names_.joints > 1 ? kAll : 0; joint < names_.joints; ++joint) {
+    for (int joint = names_.joints > 1 ? kAllJoints : 0; joint < names_.joints; ++joint) {
       units(joint);
       signs(joint);
       columns(joint);
@@ -200,7 +199,7 @@ class Known {
     JointMatrix exchanged = unit();
     exchanged.row(first).swap(exchanged.row(second));
     const auto swapped = [&](ConventionKind kind, const std::string& what, const std::string& change) {
-      Convention convention = named(kind, kAll, what + " are swapped", change);
+      Convention convention = named(kind, kAllJoints, what + " are swapped", change);
       convention.exchanged = {first, second};
       return convention;
     };
@@ -234,7 +233,7 @@ class Known {
         change += fmt::format("{}q{} {} q{}", j == 1 ? "" : ", ", j + 1, sign < 0.0 ? "−" : "+", j);
       }
       const bool pair = names_.joints == 2;
-      addPositions(named(ConventionKind::kAbsoluteAngle, pair ? 1 : kAll,
+      addPositions(named(ConventionKind::kAbsoluteAngle, pair ? 1 : kAllJoints,
                          fmt::format("{} {} not relative to the {}", later, pair ? "is" : "are",
                                      pair ? "first segment" : "segments before"),
                          change, sign),
@@ -322,9 +321,10 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
   return {.kind = ConventionKind::kTorqueShift,
           .joint = joint,
           .number = late_s,
-          .mistake = fmt::format("{} {} {:.0f} ms too {}", names.torque(joint),
+          .mistake = fmt::format("{} {} {:.0f} ms too {}{}", names.torque(joint),
                                  joint < 0 && names.joints > 1 ? "come" : "comes",
-                                 std::abs(late_s) / kMillisecond, late_s > 0.0 ? "late" : "early"),
+                                 std::abs(late_s) / kMillisecond, late_s > 0.0 ? "late" : "early",
+                                 late_s > 0.0 ? "" : ", or the drive acts that late: declare actuator_delay"),
           .change = fmt::format("{} {:.0f} ms {}", tau(joint), std::abs(late_s) / kMillisecond,
                                 late_s > 0.0 ? "earlier" : "later"),
           .correct =

@@ -27,10 +27,12 @@ enum class ConventionKind {
   kTorqueShift,       ///< in time, against the position
 };
 
+inline constexpr int kAllJoints = -1;
+
 struct Convention {
   ConventionKind kind{};
-  int joint = -1;       ///< from 0; −1: all, or the kind says which
-  double number = 0.0;  ///< recorded per right unit; right less recorded zero, rad; torque too late, s
+  int joint = kAllJoints;  ///< from 0; or the kind says which
+  double number = 0.0;     ///< recorded per right unit; right less recorded zero, rad; torque too late, s
   /// The number that explains as much, where it was searched for.
   std::array<double, 2> range{};
   std::array<int, 2> exchanged{-1, -1};  ///< joints whose columns are read for each other

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -19,10 +20,8 @@ namespace {
 
 using namespace convention;
 
-constexpr int kAll = -1;
 /// Nobody reads more.
 constexpr std::size_t kMostTold = 6;
-constexpr double kPercent = 100.0;
 
 /// A number on a grid, then between its best neighbours.
 struct Grid {
@@ -35,7 +34,7 @@ double gain(const std::vector<double>& given, const std::vector<double>& read, d
 }
 
 bool concerns(const Convention& convention, std::size_t joint) {
-  return convention.joint == kAll || convention.joint == static_cast<int>(joint);
+  return convention.joint == kAllJoints || convention.joint == static_cast<int>(joint);
 }
 
 // The smaller a torque is, the less there is to leave: one that is scaled has to be explained far better
@@ -116,7 +115,7 @@ std::optional<ReadAs> bestOn(const Grid& grid, Reader& reader, const Reading& gi
 
 std::vector<int> eachAndAll(int joints) {
   std::vector<int> chosen;
-  for (int joint = joints > 1 ? kAll : 0; joint < joints; ++joint) {
+  for (int joint = joints > 1 ? kAllJoints : 0; joint < joints; ++joint) {
     chosen.push_back(joint);
   }
   return chosen;

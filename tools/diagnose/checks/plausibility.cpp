@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/checks/convention_search.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/regression/motion_band.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/recordings/reading_limits.hpp"
 

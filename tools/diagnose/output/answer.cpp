@@ -70,10 +70,6 @@ std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
   return lines;
 }
 
-std::string numberAt(const std::vector<double>& values, std::size_t joint) {
-  return joint < values.size() ? shortNumber(values[joint]) : "–";
-}
-
 std::string errorLine(const Diagnosis& diagnosis, std::size_t joint) {
   const bool heldout = joint < diagnosis.before.heldout_rms_Nm.size();
   const auto rms = [&](const ErrorMeasure& error) {
@@ -131,7 +127,6 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
 }
 
 void ProgressLine::at(std::string_view stage, double fraction) {
-  constexpr double kPercent = 100.0;
   const int percent = static_cast<int>(std::lround(kPercent * std::clamp(fraction, 0.0, 1.0)));
   const bool new_stage = stage != stage_;
   const auto now = now_();

@@ -99,14 +99,8 @@ std::string verdictText(const Diagnosis& diagnosis) {
   return text + (diagnosis.effects.empty() ? "" : "</ul>\n") + "</section>\n" + runawayText(diagnosis);
 }
 
-/// Element `joint` as text, or a dash.
-std::string numberAt(const std::vector<double>& values, std::size_t joint) {
-  return joint < values.size() ? shortNumber(values[joint]) : "–";
-}
-
 /// Error over torque of a joint in percent, or a dash.
 std::string percentAt(const std::vector<double>& relative, std::size_t joint) {
-  constexpr double kPercent = 100.0;
   return joint < relative.size() && relative[joint] < runaway::kNoTorque
              ? shortNumber(kPercent * relative[joint])
              : "–";

@@ -18,7 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kPercent = 100.0;
 /// Digits of what was rounded to five decimals, frequencies to four.
 constexpr int kDecimals = 5;
 

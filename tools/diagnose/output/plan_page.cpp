@@ -17,8 +17,6 @@ using report::Figure;
 
 /// Instants of a curve: more than a picture has columns.
 constexpr Eigen::Index kMostPoints = 1500;
-constexpr double kPercent = 100.0;
-
 struct Quantity {
   const char* title;
   const char* unit;

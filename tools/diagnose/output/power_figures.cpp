@@ -20,7 +20,6 @@ constexpr const char* kWeak = report::colour::kPaleGrey;
 
 // Smallest torque of each effect that would have been revealed, over its joint's torque.
 Figure powerFigure(const Diagnosis& diagnosis, int joint) {
-  constexpr double kPercent = 100.0;
   constexpr double kMost_percent = 1000.0;
   Figure figure;
   figure.section = "What this recording would have revealed (grey: more than a fifth of the joint's torque)";

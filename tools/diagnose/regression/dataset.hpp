@@ -17,6 +17,8 @@ namespace patella::diagnose {
 /// Values of all joints in the analysis band: the rows of joint 1, then those of joint 2.
 using Column = Eigen::VectorXd;
 
+inline constexpr int kFilterOrder = 4;  ///< of every low-pass
+
 struct DatasetOptions {
   double smoothing_Hz = 40.0;         ///< zero-phase, on positions and torques before they are differentiated
   double evaluation_rate_Hz = 500.0;  ///< at most; effects are evaluated at this rate
@@ -27,11 +29,6 @@ struct DatasetOptions {
 /// Slow enough for noise and vibration to count little, fast enough for inertia to show: for what is judged
 /// before anything is fitted.
 inline constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 100.0, .band_Hz = 6.0};
-
-/// The motion's own band: two and a half times the frequency below which 99 % of the power of every joint's
-/// velocity lies, within 6 to 14 Hz. What lies far above it is vibration of the structure, which no rigid
-/// model explains.
-double motionBand_Hz(std::span<const Recording> recordings);
 
 /// One stretch without a gap, at the evaluation rate.
 struct Series {

@@ -128,6 +128,10 @@ std::string shortNumber(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g}", value) : "–";
 }
 
+std::string numberAt(const std::vector<double>& values, std::size_t joint) {
+  return joint < values.size() ? shortNumber(values[joint]) : "–";
+}
+
 std::array<double, 2> physicalRange(std::string_view kind, std::string_view name) {
   if (const model::EffectDescriptor* descriptor = model::findEffect(kind)) {
     for (const model::EffectParameter& parameter : descriptor->parameters) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tools/diagnose/result/diagnosis.hpp"
 
@@ -33,6 +35,8 @@ std::string effectWords(std::string_view label);
 std::string effectWords(const EffectFinding& effect);
 
 /// A fitted parameter's name: "coulomb_friction@1 level_Nm" as "coulomb friction on joint 1: level",
+inline constexpr double kPercent = 100.0;
+
 /// "mass_kg[2]" as "mass [2]".
 std::string parameterWords(std::string_view name, const Units& units = {});
 
@@ -42,6 +46,8 @@ std::string valueWithInterval(double value, const std::array<double, 2>& interva
 std::string estimateText(const ParameterEstimate& estimate, const Units& units = {});
 /// Three significant digits; "–" for what is not a number.
 std::string shortNumber(double value);
+/// The same of one joint, and "–" where there is none of it.
+std::string numberAt(const std::vector<double>& values, std::size_t joint);
 
 /// Where an effect's parameter may lie physically; unlimited where the library does not know it.
 std::array<double, 2> physicalRange(std::string_view kind, std::string_view name);

@@ -2,6 +2,7 @@
 
 #include "tools/diagnose/effects/considered.hpp"
 #include "tools/diagnose/fit/predicted_torque.hpp"
+#include "tools/diagnose/regression/motion_band.hpp"
 
 namespace patella::diagnose {
 namespace {

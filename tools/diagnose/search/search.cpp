@@ -14,7 +14,7 @@ namespace patella::diagnose {
 namespace {
 
 /// A column of which the fit leaves less than this share adds nothing.
-constexpr double kSpanned = 1e-10;
+constexpr double kSpannedExactly = 1e-10;
 
 // Sine and cosine at the times of the rows: thousands of frequencies are tried, and filtering each would take
 // most of the time of a diagnosis.
@@ -41,7 +41,7 @@ std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::Matri
     for (const Eigen::VectorXd& unit : kept) {
       rest -= unit * unit.dot(rest);
     }
-    if (rest.squaredNorm() > kSpanned * before[k] && rest.squaredNorm() > 0.0) {
+    if (rest.squaredNorm() > kSpannedExactly * before[k] && rest.squaredNorm() > 0.0) {
       kept.push_back(rest.normalized());
     }
   }

@@ -12,13 +12,12 @@
 
 #include "tools/diagnose/checks/reading.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/detector.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-constexpr double kPercent = 100.0;
 
 // Smallest torque, in units of the noise, at which each kind on each joint would show.
 std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& atoms) {

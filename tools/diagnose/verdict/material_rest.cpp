@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -19,7 +20,6 @@ void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnos
   if (!worst->exceeds(unknown::kRestOfNothing)) {
     return;
   }
-  constexpr double kPercent = 100.0;
   diagnosis.doubts.push_back(
       {worst->exceeds(unknown::kMaterialRest) ? Doubt::kLargeRest : Doubt::kSomeRest,
        fmt::format(

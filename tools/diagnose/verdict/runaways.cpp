@@ -19,7 +19,6 @@ namespace patella::diagnose {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPercent = 100.0;
 
 std::string label(const std::string& kind, int joint) {
   return fmt::format("{}@{}", kind, joint + 1);

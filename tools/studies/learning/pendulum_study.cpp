@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/regression/dataset.hpp"
+#include "tools/diagnose/regression/motion_band.hpp"
 #include "tools/studies/learning/tables.hpp"
 #include "tools/train/score.hpp"
 #include "tools/train/split.hpp"

@@ -19,7 +19,7 @@ constexpr std::uint64_t kUnseenSeed = 1000;  // and on: of motions that no train
 constexpr const char* kWeights = ".safetensors";
 constexpr const char* kCheckpoint = ".checkpoint";
 
-std::string settingsOf(const PaperOptions& options) {
+std::string networkSettings(const PaperOptions& options) {
   const train::TrainingOptions& t = options.training;
   return fmt::format(
       "{} s at {} Hz, test share {}, tuned on {} seeds, layers {}, hidden {}, channels {}, heads {}, window "
@@ -90,7 +90,7 @@ Material materialOfUnseen(const PaperOptions& options, const Condition& conditio
 std::optional<NetworkCase> findCase(const KeptResults& kept, const PaperOptions& options,
                                     const Condition& condition, train::SplitKind split, std::uint64_t seed) {
   const std::string name = fileName(condition, split, seed);
-  const std::optional<json> found = kept.find(name, settingsOf(options));
+  const std::optional<json> found = kept.find(name, networkSettings(options));
   if (!found) {
     return std::nullopt;
   }
@@ -147,7 +147,7 @@ NetworkCase trainCase(const KeptResults& kept, const PaperOptions& options, cons
     }
   }
   app::saveNetworkWeights(kept.beside(name, kWeights), trained.weights);
-  kept.keep(name, settingsOf(options), jsonOf(one));
+  kept.keep(name, networkSettings(options), jsonOf(one));
   std::filesystem::remove(checkpoint);
   return one;
 }

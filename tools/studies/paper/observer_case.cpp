@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string settingsOf(const PaperOptions& options) {
+std::string observerSettings(const PaperOptions& options) {
   return fmt::format("{} s, tuned on {} seeds", options.seconds, options.tuning_seeds);
 }
 
@@ -38,7 +38,7 @@ ObserverMaterial observerMaterial(const PaperOptions& options, const Condition& 
 std::optional<Result> findObserver(const KeptResults& kept, const PaperOptions& options,
                                    const Condition& condition, const Method& method) {
   const std::string name = fileName(options, condition, method);
-  const std::optional<json> found = kept.find(name, settingsOf(options));
+  const std::optional<json> found = kept.find(name, observerSettings(options));
   if (!found) {
     return std::nullopt;
   }
@@ -67,7 +67,7 @@ Result measureObserver(const KeptResults& kept, const PaperOptions& options, con
                       {"delay_s", result.delay_s[joint].mean},
                       {"delay_sd_s", result.delay_s[joint].deviation}});
   }
-  kept.keep(fileName(options, result.condition, method), settingsOf(options),
+  kept.keep(fileName(options, result.condition, method), observerSettings(options),
             {{"method", method.name}, {"values", result.values}, {"joints", joints}});
   return result;
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr double kRate_Hz = 1000.0;
 // The goniometer was sampled at 50 Hz and held; this removes the steps.
 constexpr double kGoniometer_Hz = 8.0;
-constexpr double kMaxLag_s = 1.0;
+constexpr double kLongestEmgLag_s = 1.0;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<const char*, kMaxEmgChannels> kChannels{
     "emg_rectus_femoris_mV", "emg_biceps_femoris_mV", "emg_vastus_medialis_mV", "emg_semitendinosus_mV"};
@@ -113,13 +113,13 @@ EmgStudy studyEmg(const Folders& folders, const std::string& person) {
   const Samples raw_rad = scaled(column(recording, "knee_deg"), kDegree);
   const Samples smooth_rad = zeroPhaseLowPass(raw_rad, kGoniometer_Hz, kRate_Hz);
   const Samples reversed_rad = scaled(smooth_rad, -1.0);
-  const CorrelationPeak as_is = correlationPeak(study.torque_Nm, smooth_rad, kRate_Hz, kMaxLag_s);
-  const CorrelationPeak reversed = correlationPeak(study.torque_Nm, reversed_rad, kRate_Hz, kMaxLag_s);
+  const CorrelationPeak as_is = correlationPeak(study.torque_Nm, smooth_rad, kRate_Hz, kLongestEmgLag_s);
+  const CorrelationPeak reversed = correlationPeak(study.torque_Nm, reversed_rad, kRate_Hz, kLongestEmgLag_s);
   study.goniometer_sign = as_is.correlation >= reversed.correlation ? 1 : -1;
   study.knee_rad = study.goniometer_sign > 0 ? smooth_rad : reversed_rad;
   study.angle = study.goniometer_sign > 0 ? as_is : reversed;
   study.velocity =
-      correlationPeak(study.torque_Nm, derivative(study.knee_rad, kRate_Hz), kRate_Hz, kMaxLag_s);
+      correlationPeak(study.torque_Nm, derivative(study.knee_rad, kRate_Hz), kRate_Hz, kLongestEmgLag_s);
   study.simulated_angle_correlation = correlation(study.simulated_knee_rad, study.knee_rad);
 
   const auto [least, greatest] = std::minmax_element(study.torque_Nm.begin(), study.torque_Nm.end());

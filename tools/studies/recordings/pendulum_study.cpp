@@ -16,7 +16,7 @@ using convert::Interpolation;
 
 // Wide enough for the motion and its reversals; what lies above is encoder steps.
 constexpr double kPosition_Hz = 40.0;
-constexpr double kMaxLag_s = 0.2;
+constexpr double kLongestFilterLag_s = 0.2;
 // Filters of both sides settle at the ends.
 constexpr double kEdge_s = 0.5;
 constexpr double kMoving_rad_s = 0.5;
@@ -106,7 +106,7 @@ void compare(JointComparison& c, double delay_s, double rate_Hz) {
   c.rms_offline_Nm = rms(c.offline_Nm);
   c.rms_difference_delayed_Nm = rms(difference(c.loop_Nm, c.offline_Nm));
   c.rms_difference_aligned_Nm = rms(difference(c.aligned_Nm, c.offline_Nm));
-  c.measured_delay_s = correlationPeak(c.offline_Nm, c.loop_Nm, rate_Hz, kMaxLag_s).lag_s;
+  c.measured_delay_s = correlationPeak(c.offline_Nm, c.loop_Nm, rate_Hz, kLongestFilterLag_s).lag_s;
   c.friction_loop_Nm = friction(c.aligned_Nm, c.rate_rad_s);
   c.friction_offline_Nm = friction(c.offline_Nm, c.rate_rad_s);
 }
