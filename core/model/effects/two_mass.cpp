@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace patella::model {
 namespace {
@@ -11,6 +12,14 @@ constexpr double kLongestSubstep_s = 500e-6;
 constexpr double kSubstepAngle_rad = 0.15;
 constexpr double kMostSubsteps = 2000.0;
 constexpr double kWeight = 0.51;
+/// Relative difference of lengths that comes of rounding times.
+constexpr double kSameLength = 1e-6;
+/// Substeps that a map is not worth working out for.
+constexpr int kFewSubsteps = 3;
+
+bool areOneLength(double a_s, double b_s) noexcept {
+  return std::abs(a_s - b_s) <= kSameLength * b_s;
+}
 
 // Torque of the spring, or of the contacts, at this twist and its rate.
 inline double transmittedBy(const TwoMassParameters& parameters, double twist_rad,
@@ -81,6 +90,34 @@ class SpringStep : ContactStep {
   double angle_rad_Nm_;     ///< … and to its angle
 };
 
+bool isLinear(const TwoMassParameters& parameters) noexcept {
+  return parameters.pulls && parameters.gap_rad == 0.0;
+}
+
+int substepsOf(double dt_s, double substep_s) noexcept {
+  // The small allowance keeps a step from being cut otherwise by rounding.
+  return static_cast<int>(std::clamp(std::ceil(dt_s / substep_s - 1e-6), 1.0, kMostSubsteps));
+}
+
+std::array<double, 9> inputsOf(const TwoMassSide& motor, const TwoMassCourse& course) noexcept {
+  return {motor.angle_rad,   motor.rate_rad_s,       course.way_rad,  course.start_rad,    course.end_rad,
+          course.rate_rad_s, course.rate_gain_rad_s, course.drive_Nm, course.drive_gain_Nm};
+}
+
+/// The inputs of which number `index` is one and the others are nothing.
+std::pair<TwoMassSide, TwoMassCourse> unitInput(std::size_t index) noexcept {
+  std::array<double, 9> u{};
+  u[index] = 1.0;
+  return {{u[0], u[1]},
+          {.way_rad = u[2],
+           .start_rad = u[3],
+           .end_rad = u[4],
+           .rate_rad_s = u[5],
+           .rate_gain_rad_s = u[6],
+           .drive_Nm = u[7],
+           .drive_gain_Nm = u[8]}};
+}
+
 }  // namespace
 
 TwoMass::TwoMass(int joint, const TwoMassParameters& parameters) noexcept
@@ -112,6 +149,7 @@ void TwoMass::advance(const EffectInput& input, double dt_s) noexcept {
   motor_ = motor;
   link_ = link;
   drive_Nm_ = input.torque_Nm[joint_];
+  learnStep(dt_s);
 }
 
 void TwoMass::reset(const EffectInput& input) noexcept {
@@ -124,32 +162,63 @@ void TwoMass::reset(const EffectInput& input) noexcept {
 }
 
 TwoMassSide TwoMass::motorAfter(const EffectInput& input, double dt_s) const noexcept {
-  // The small allowance keeps a step from being cut otherwise by rounding.
-  const auto substeps = static_cast<int>(std::clamp(std::ceil(dt_s / substep_s_ - 1e-6), 1.0, kMostSubsteps));
-  const double h = dt_s / substeps;
-  const double drive_to_Nm = input.torque_Nm[joint_];
-  const double drive_from_Nm = input.torque_held ? drive_to_Nm : drive_Nm_;
-
-  const TwoMassSide from = link_;
   const TwoMassSide to = linkOf(input);
-  const double way_rad = to.angle_rad - from.angle_rad;
-  const double start_rad = from.rate_rad_s * dt_s - way_rad;
-  const double end_rad = way_rad - to.rate_rad_s * dt_s;
+  const double drive_from_Nm = input.torque_held ? input.torque_Nm[joint_] : drive_Nm_;
+  const double way_rad = to.angle_rad - link_.angle_rad;
+  const TwoMassCourse course{.way_rad = way_rad,
+                             .start_rad = link_.rate_rad_s * dt_s - way_rad,
+                             .end_rad = way_rad - to.rate_rad_s * dt_s,
+                             .rate_rad_s = link_.rate_rad_s,
+                             .rate_gain_rad_s = to.rate_rad_s - link_.rate_rad_s,
+                             .drive_Nm = drive_from_Nm,
+                             .drive_gain_Nm = input.torque_Nm[joint_] - drive_from_Nm};
+  const TwoMassSide from{motor_.angle_rad - link_.angle_rad, motor_.rate_rad_s};
+  TwoMassSide motor;
+  if (areOneLength(dt_s, learnt_dt_s_)) {
+    const std::array<double, kInputs> inputs = inputsOf(from, course);
+    for (std::size_t i = 0; i < kInputs; ++i) {
+      motor.angle_rad += answers_[i].angle_rad * inputs[i];
+      motor.rate_rad_s += answers_[i].rate_rad_s * inputs[i];
+    }
+  } else {
+    motor = stepped(from, course, dt_s);
+  }
+  return {link_.angle_rad + motor.angle_rad, motor.rate_rad_s};
+}
+
+TwoMassSide TwoMass::stepped(const TwoMassSide& from, const TwoMassCourse& course,
+                             double dt_s) const noexcept {
+  const int substeps = substepsOf(dt_s, substep_s_);
+  const double h = dt_s / substeps;
   const double per_substep = 1.0 / substeps;
   const auto follow = [&](auto step) {
     // A copy that stays in registers: the loop is what simulated drives cost.
-    TwoMassSide motor = motor_;
+    TwoMassSide motor = from;
     for (int i = 0; i < substeps; ++i) {
       const double s = (i + kWeight) * per_substep;
       const TwoMassSide link{
-          from.angle_rad + s * way_rad + s * (1.0 - s) * ((1.0 - s) * start_rad + s * end_rad),
-          from.rate_rad_s + s * (to.rate_rad_s - from.rate_rad_s)};
-      motor = step(motor, link, drive_from_Nm + s * (drive_to_Nm - drive_from_Nm));
+          s * course.way_rad + s * (1.0 - s) * ((1.0 - s) * course.start_rad + s * course.end_rad),
+          course.rate_rad_s + s * course.rate_gain_rad_s};
+      motor = step(motor, link, course.drive_Nm + s * course.drive_gain_Nm);
     }
     return motor;
   };
-  return parameters_.pulls && parameters_.gap_rad == 0.0 ? follow(SpringStep(parameters_, h))
-                                                         : follow(ContactStep(parameters_, h));
+  return isLinear(parameters_) ? follow(SpringStep(parameters_, h)) : follow(ContactStep(parameters_, h));
+}
+
+void TwoMass::learnStep(double dt_s) noexcept {
+  // Steps whose length changes all the time cost nothing more than themselves.
+  const bool again = areOneLength(dt_s, last_dt_s_);
+  last_dt_s_ = dt_s;
+  if (!again || areOneLength(dt_s, learnt_dt_s_) || !isLinear(parameters_) ||
+      substepsOf(dt_s, substep_s_) <= kFewSubsteps) {
+    return;
+  }
+  for (std::size_t i = 0; i < kInputs; ++i) {
+    const auto [motor, course] = unitInput(i);
+    answers_[i] = stepped(motor, course, dt_s);
+  }
+  learnt_dt_s_ = dt_s;
 }
 
 }  // namespace patella::model

@@ -207,7 +207,7 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
 }
 
 TEST_CASE("a torque that comes too early may be that of a late drive, and is where the model declares one") {
-  constexpr std::ptrdiff_t kRows = 10;
+  constexpr std::ptrdiff_t kRows = 8;
   constexpr double kEarly_s = kRows / 200.0;
   Recording recording = swinging();
   std::vector<double>& torque = recording.torque_Nm[1];

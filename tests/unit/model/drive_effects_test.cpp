@@ -128,6 +128,33 @@ TEST_CASE("a delayed command that is held comes as steps, late by the delay") {
   }
 }
 
+TEST_CASE("an elastic transmission answers steps of one length as it answers any") {
+  for (const bool held : {true, false}) {
+    CAPTURE(held);
+    const std::vector<double> values{300.0, 0.02, 0.5};
+    const auto regular = make("transmission_elasticity", values);
+    const auto irregular = make("transmission_elasticity", values);
+    // Too little to matter, and enough for no step to be as long as the one before.
+    constexpr double kTick_s = 4e-3, kIrregular = 4e-6;
+    const auto input = [held](double t) {
+      return at(3.0 * std::sin(9.0 * t), t, held, 0.4 + 0.3 * std::sin(4.0 * t), 1.2 * std::cos(4.0 * t));
+    };
+    regular->reset(input(0.0));
+    irregular->reset(input(0.0));
+    double time_s = 0.0, largest_Nm = 0.0;
+    for (int n = 1; n <= 500; ++n) {
+      const double dt_s = kTick_s * (n % 2 == 0 ? 1.0 + kIrregular : 1.0);
+      time_s += dt_s;
+      regular->advance(input(n * kTick_s), kTick_s);
+      irregular->advance(input(time_s), dt_s);
+      const double torque_Nm = regular->torque(input(n * kTick_s))[0];
+      REQUIRE(std::abs(torque_Nm - irregular->torque(input(time_s))[0]) < 1e-3);
+      largest_Nm = std::max(largest_Nm, std::abs(torque_Nm));
+    }
+    CHECK(largest_Nm > 0.1);
+  }
+}
+
 TEST_CASE("an elastic transmission resonates where two masses and a spring do") {
   for (const double stiffness : {300.0, 4000.0}) {
     CAPTURE(stiffness);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/checks/series_changes.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -277,6 +278,10 @@ std::string columns(const ColumnNames& all, const char* stem, const char* turnin
   return names;
 }
 
+bool mayBeDelay(double early_s) {
+  return early_s > 0.0 && early_s <= physicalRange("actuator_delay", "delay_s")[1];
+}
+
 }  // namespace
 
 std::string ColumnNames::position(int joint) const {
@@ -321,10 +326,11 @@ Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
   return {.kind = ConventionKind::kTorqueShift,
           .joint = joint,
           .number = late_s,
-          .mistake = fmt::format("{} {} {:.0f} ms too {}{}", names.torque(joint),
-                                 joint < 0 && names.joints > 1 ? "come" : "comes",
-                                 std::abs(late_s) / kMillisecond, late_s > 0.0 ? "late" : "early",
-                                 late_s > 0.0 ? "" : ", or the drive acts that late: declare actuator_delay"),
+          .mistake =
+              fmt::format("{} {} {:.0f} ms too {}{}", names.torque(joint),
+                          joint < 0 && names.joints > 1 ? "come" : "comes", std::abs(late_s) / kMillisecond,
+                          late_s > 0.0 ? "late" : "early",
+                          mayBeDelay(-late_s) ? ", or the drive acts that late: declare actuator_delay" : ""),
           .change = fmt::format("{} {:.0f} ms {}", tau(joint), std::abs(late_s) / kMillisecond,
                                 late_s > 0.0 ? "earlier" : "later"),
           .correct =

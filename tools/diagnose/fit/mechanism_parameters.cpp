@@ -6,8 +6,6 @@
 namespace patella::diagnose {
 namespace {
 
-constexpr double kRelativeStep = 1e-4;
-
 }  // namespace
 
 Eigen::MatrixXd MechanismParameters::baseSlopes(std::span<const double> z) const {

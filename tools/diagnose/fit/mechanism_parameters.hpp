@@ -14,6 +14,9 @@
 
 namespace patella::diagnose {
 
+/// Of numerical derivatives by a free number.
+inline constexpr double kRelativeStep = 1e-4;
+
 /// A parameter as people know it.
 struct NamedParameter {
   std::string name;       ///< with its unit, as in model files: "com_m[2]", "ZZ1_kg_m2"

@@ -65,7 +65,6 @@ PhysicalParameters::PhysicalParameters(const model::MechanismDescription& nomina
 }
 
 Eigen::VectorXd PhysicalParameters::spreadsOfBase() const {
-  constexpr double kRelativeStep = 1e-4;
   const model::BaseParameters base = baseParametersOf(nominal_);
   Eigen::MatrixXd slopes(base.size(), static_cast<Eigen::Index>(count()));
   for (std::size_t i = 0; i < count(); ++i) {
