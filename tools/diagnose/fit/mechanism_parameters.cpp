@@ -4,9 +4,6 @@
 #include "tools/diagnose/fit/physical_parameters.hpp"
 
 namespace patella::diagnose {
-namespace {
-
-}  // namespace
 
 Eigen::MatrixXd MechanismParameters::baseSlopes(std::span<const double> z) const {
   const model::BaseParameters base = baseParameters(z);
