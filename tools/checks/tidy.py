@@ -58,8 +58,12 @@ class Sources:
     @staticmethod
     def _grouped(file):
         """The sources that are compiled as one, or the source itself."""
-        if "/Unity/unity_" not in file:
+        if pathlib.Path(file).parent.name != "groups":
             return [file]
+        return [str(ROOT / path) for path in Sources._named_in(file)]
+
+    @staticmethod
+    def _named_in(file):
         return re.findall(r'^#include "(.*)"$', pathlib.Path(file).read_text(), re.MULTILINE)
 
     def _included(self, path):
@@ -70,7 +74,7 @@ class Sources:
             if file not in found and (ROOT / file).is_file():
                 found.add(file)
                 if file not in self.direct:
-                    self.direct[file] = re.findall(r'^#include "(.*)"$', (ROOT / file).read_text(), re.MULTILINE)
+                    self.direct[file] = self._named_in(ROOT / file)
                 waiting += self.direct[file]
         return found
 

@@ -1,32 +1,6 @@
 # The headers of Eigen and of the standard library are parsed once for libraries and once for programs, not once a source.
 # Sources include what they use all the same: the fuzzing build does without and finds what is missing.
-
-# Whether a target is linked with a library, whatever the way there.
-function(patella_links target library found)
-  set(${found} FALSE PARENT_SCOPE)
-  get_target_property(linked ${target} INTERFACE_LINK_LIBRARIES)
-  get_target_property(type ${target} TYPE)
-  if(NOT type STREQUAL "INTERFACE_LIBRARY")
-    get_target_property(own ${target} LINK_LIBRARIES)
-    list(APPEND linked ${own})
-  endif()
-  list(TRANSFORM linked REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1")
-  if(library IN_LIST linked)
-    set(${found} TRUE PARENT_SCOPE)
-    return()
-  endif()
-  list(REMOVE_DUPLICATES linked)
-  list(FILTER linked INCLUDE REGEX "^patella_")
-  foreach(next IN LISTS linked)
-    if(TARGET ${next})
-      patella_links(${next} ${library} there)
-      if(there)
-        set(${found} TRUE PARENT_SCOPE)
-        return()
-      endif()
-    endif()
-  endforeach()
-endfunction()
+include(Targets)
 
 # A compiler takes a precompiled header for code that is made in the same way only. Libraries and programs differ in -fPIC and -fPIE,
 # libtorch brings a definition of its own.
@@ -41,17 +15,6 @@ function(patella_precompile_target target)
   elseif(type STREQUAL "EXECUTABLE")
     target_precompile_headers(${target} REUSE_FROM patella_precompiled_programs)
   endif()
-endfunction()
-
-function(patella_precompile_folder folder)
-  get_property(folders DIRECTORY "${folder}" PROPERTY SUBDIRECTORIES)
-  foreach(child IN LISTS folders)
-    patella_precompile_folder("${child}")
-  endforeach()
-  get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)
-  foreach(target IN LISTS targets)
-    patella_precompile_target(${target})
-  endforeach()
 endfunction()
 
 # Clang makes another precompiled header in every folder. ccache takes this sum in its place: of the headers' text. What else goes
@@ -92,5 +55,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR PATELLA_SANITIZER MATCHES "^(address|
       file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/patella_precompiled_${kind}.dir/cmake_pch.hxx.pch.sum" "${sum}\n")
     endforeach()
   endif()
-  patella_precompile_folder("${PROJECT_SOURCE_DIR}")
+  patella_targets_in(targets "${PROJECT_SOURCE_DIR}")
+  foreach(target IN LISTS targets)
+    patella_precompile_target(${target})
+  endforeach()
 endif()
