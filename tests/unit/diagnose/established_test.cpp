@@ -77,7 +77,7 @@ TEST_CASE("an effect of one number whose interval holds zero goes, and its evide
   CHECK(claimed.evidence() == 1);
 }
 
-TEST_CASE("alone it stays: what else would the torque be that the search found?") {
+TEST_CASE("an effect of one number that is the only finding stays, even where its interval holds zero") {
   Claimed claimed([](const Motion&) { return 0.0; }, {"torque_bias"});
   CHECK(claimed.dropped().empty());
   CHECK(claimed.left() == std::vector<std::string>{"torque_bias"});

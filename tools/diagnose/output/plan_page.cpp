@@ -17,6 +17,7 @@ using report::Figure;
 
 /// Instants of a curve: more than a picture has columns.
 constexpr Eigen::Index kMostPoints = 1500;
+
 struct Quantity {
   const char* title;
   const char* unit;
