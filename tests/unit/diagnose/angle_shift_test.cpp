@@ -34,7 +34,9 @@ void checkEveryOffset(const model::MechanismDescription& mechanism, int joints) 
   const model::DynamicsModel dynamics = model::makeModel({.mechanism = mechanism, .effects = {}});
   const Eigen::MatrixXd unshifted = data.regressor(dynamics.mechanism(), JointVector::Zero(joints));
   for (int joint = 0; joint < joints; ++joint) {
-    const AngleShift shift(data, dynamics.mechanism(), joint, model::isPrismatic(mechanism, joint));
+    const bool slides = model::isPrismatic(mechanism, joint);
+    const AngleShift shift = AngleShift::ofRegressor(data, dynamics.mechanism(), joint, slides);
+    const AngleShift of_torque = AngleShift::ofTorque(data, dynamics.mechanism(), joint, slides);
     for (const double size : {-3.1, -0.25, -0.013, 0.0, 1e-4, 0.21, 1.7}) {
       CAPTURE(joint);
       CAPTURE(size);
@@ -42,6 +44,9 @@ void checkEveryOffset(const model::MechanismDescription& mechanism, int joints) 
       offset[joint] = size;
       const Eigen::MatrixXd direct = data.regressor(dynamics.mechanism(), offset) - unshifted;
       CHECK((shift.at(size) - direct).norm() < 1e-9 * unshifted.norm());
+      const Eigen::VectorXd torque = direct * dynamics.mechanism().baseParameters();
+      CHECK((of_torque.at(size) - torque).norm() <
+            1e-9 * (unshifted * dynamics.mechanism().baseParameters()).norm());
     }
   }
 }

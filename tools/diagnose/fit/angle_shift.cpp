@@ -8,14 +8,14 @@
 namespace patella::diagnose {
 namespace {
 
-constexpr int kOrder = 3;
+constexpr int kHarmonics = 2;
 constexpr double kFarthestSlide_m = 0.3;
 
 // Of which the regressor consists.
 Eigen::VectorXd functionsOf(double offset, bool slides) {
-  Eigen::VectorXd values(slides ? kOrder + 1 : 2 * kOrder + 1);
+  Eigen::VectorXd values(slides ? kHarmonics + 1 : 2 * kHarmonics + 1);
   values[0] = 1.0;
-  for (int k = 1; k <= kOrder; ++k) {
+  for (int k = 1; k <= kHarmonics; ++k) {
     if (slides) {
       values[k] = values[k - 1] * offset;
     } else {
@@ -36,18 +36,33 @@ Eigen::VectorXd offsetsTried(bool slides) {
 
 }  // namespace
 
-AngleShift::AngleShift(const Dataset& data, const model::Mechanism& mechanism, int joint, bool slides)
-    : slides_(slides), rows_(data.rows() * data.joints()) {
+AngleShift::AngleShift(const std::function<Eigen::MatrixXd(const JointVector& offset)>& columns, int joints,
+                       int joint, bool slides)
+    : slides_(slides) {
   const Eigen::VectorXd offsets = offsetsTried(slides);
   Eigen::MatrixXd functions(offsets.size(), offsets.size());
-  Eigen::MatrixXd regressors(rows_ * mechanism.baseParameterCount(), offsets.size());
   for (Eigen::Index i = 0; i < offsets.size(); ++i) {
-    JointVector offset = JointVector::Zero(data.joints());
+    JointVector offset = JointVector::Zero(joints);
     offset[joint] = offsets[i];
     functions.col(i) = functionsOf(offsets[i], slides);
-    regressors.col(i) = data.regressor(mechanism, offset).reshaped();
+    const Eigen::MatrixXd there = columns(offset);
+    rows_ = there.rows();
+    parts_.resize(there.size(), offsets.size());
+    parts_.col(i) = there.reshaped();
   }
-  parts_ = regressors * functions.inverse();
+  parts_ *= functions.inverse();
+}
+
+AngleShift AngleShift::ofRegressor(const Dataset& data, const model::Mechanism& mechanism, int joint,
+                                   bool slides) {
+  return {[&](const JointVector& offset) { return data.regressor(mechanism, offset); }, data.joints(), joint,
+          slides};
+}
+
+AngleShift AngleShift::ofTorque(const Dataset& data, const model::Mechanism& mechanism, int joint,
+                                bool slides) {
+  return {[&](const JointVector& offset) { return data.mechanismTorque(mechanism, offset); }, data.joints(),
+          joint, slides};
 }
 
 Eigen::MatrixXd AngleShift::at(double offset) const {

@@ -17,7 +17,7 @@ constexpr double kDifference = 1e-5;
 constexpr double kRounding = 1e-7;
 /// A link's mass is never moved by more than the exponential of this, nor another number by more, whatever
 /// the data say.
-constexpr double kLargestLogarithm = 1.5;
+constexpr double kFarthestLogarithm = 1.5;
 
 /// Standard parameters of a link as seen from a frame in which its own has these axes and origin.
 Eigen::Matrix<double, kPerBody, 1> standardOf(const model::ChainLink& link, const Eigen::Matrix3d& axes,
@@ -193,7 +193,7 @@ model::BaseParameters ChainBodies::baseParameters(std::span<const double> z) con
 
 std::array<double, 2> ChainBodies::range(std::size_t /*index*/) const {
   // All links together may be as much too light as one alone.
-  const double largest = kLargestLogarithm * std::sqrt(static_cast<double>(links_.size()));
+  const double largest = kFarthestLogarithm * std::sqrt(static_cast<double>(links_.size()));
   return {-largest, largest};
 }
 

@@ -12,7 +12,7 @@ namespace patella::diagnose {
 namespace {
 
 /// Of the largest: below it a principal second moment is rounding.
-constexpr double kRounding = 1e-9;
+constexpr double kMomentRounding = 1e-9;
 
 Eigen::Matrix3d tensorOf(const model::ChainLink& link) {
   const auto [xx, yy, zz, xy, xz, yz] = link.inertia_kg_m2;
@@ -31,7 +31,7 @@ Eigen::Matrix3d factorOf(const Eigen::Matrix3d& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
   const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
   const Eigen::Vector3d size =
-      solver.eigenvalues().unaryExpr([=](double value) { return value > kRounding * largest ? value : 0.0; });
+      solver.eigenvalues().unaryExpr([=](double value) { return value > kMomentRounding * largest ? value : 0.0; });
   return solver.eigenvectors() * size.cwiseSqrt().asDiagonal();
 }
 

@@ -169,11 +169,22 @@ void ModelFitter::addDeclared(const model::ModelDescription& nominal) {
 }
 
 Eigen::MatrixXd ModelFitter::shift(int joint, double angle_rad) {
-  auto found = shifts_.find(joint);
-  if (found == shifts_.end()) {
-    found = shifts_
-                .emplace(joint, AngleShift(*data_, bare_.mechanism(), joint,
-                                           model::isPrismatic(nominal_.mechanism, joint)))
+  auto found = regressor_shifts_.find(joint);
+  if (found == regressor_shifts_.end()) {
+    found = regressor_shifts_
+                .emplace(joint, AngleShift::ofRegressor(*data_, bare_.mechanism(), joint,
+                                                        model::isPrismatic(nominal_.mechanism, joint)))
+                .first;
+  }
+  return found->second.at(angle_rad);
+}
+
+Eigen::VectorXd ModelFitter::torqueShift(int joint, double angle_rad) {
+  auto found = torque_shifts_.find(joint);
+  if (found == torque_shifts_.end()) {
+    found = torque_shifts_
+                .emplace(joint, AngleShift::ofTorque(*data_, bare_.mechanism(), joint,
+                                                     model::isPrismatic(nominal_.mechanism, joint)))
                 .first;
   }
   return found->second.at(angle_rad);
@@ -214,7 +225,7 @@ Eigen::MatrixXd ModelFitter::basis(const Recipe& recipe, std::span<const double>
     return column;
   }
   if (recipe.shifts_angle) {
-    return shift(recipe.joint, nu[0]) * bare_.mechanism().baseParameters();
+    return torqueShift(recipe.joint, nu[0]);
   }
   const auto bases = recipe.basis(nu);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(torque_.size(), static_cast<Eigen::Index>(bases.size()));

@@ -100,6 +100,8 @@ class ModelFitter {
   class Cost;
   /// Addition of Recipe::shifts_angle to the mechanism's regressor.
   Eigen::MatrixXd shift(int joint, double angle_rad);
+  /// The same for the torque of the nominal mechanism.
+  Eigen::VectorXd torqueShift(int joint, double angle_rad);
   /// Regressor of the mechanism where it stands.
   Eigen::MatrixXd regressorOf(const ModelFit& fit);
   /// Torque that drives which obey would have to give, as a Column.
@@ -127,7 +129,8 @@ class ModelFitter {
   double prior_scale_ = 1.0;
   std::vector<model::EffectDescription> fixed_;  ///< declared effects that are kept as they are
   std::map<std::string, Column> cache_;
-  std::map<int, AngleShift> shifts_;  ///< by joint, once one is asked for
+  /// By joint, once one is asked for.
+  std::map<int, AngleShift> regressor_shifts_, torque_shifts_;
 };
 
 }  // namespace patella::diagnose

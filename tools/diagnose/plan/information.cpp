@@ -18,7 +18,7 @@ namespace {
 /// (motionBand_Hz).
 constexpr double kIndependent_Hz = 12.0;
 /// Keeps matrices solvable where columns are alike, of a column's own information.
-constexpr double kRidge = 1e-9;
+constexpr double kLeastInformation = 1e-9;
 
 double square(double value) {
   return value * value;
@@ -49,7 +49,7 @@ Eigen::MatrixXd schur(const Eigen::MatrixXd& whole, const std::vector<Eigen::Ind
   Eigen::MatrixXd others = whole(taken, taken);
   const Eigen::VectorXd length = others.diagonal().cwiseSqrt().cwiseMax(1e-150);
   others = length.cwiseInverse().asDiagonal() * others * length.cwiseInverse().asDiagonal();
-  others.diagonal().array() += kRidge;
+  others.diagonal().array() += kLeastInformation;
   const Eigen::MatrixXd across = length.cwiseInverse().asDiagonal() * whole(taken, kept);
   return own - across.transpose() * others.ldlt().solve(across);
 }
@@ -165,8 +165,8 @@ double Information::logDeterminant(const SampledMotion& motion) {
     unit[k] = unit[k] > 0.0 ? unit[k] : 1.0;
   }
   Eigen::MatrixXd scaled = unit.cwiseInverse().asDiagonal() * information * unit.cwiseInverse().asDiagonal();
-  scaled.diagonal().array() += kRidge;
-  return scaled.ldlt().vectorD().cwiseMax(kRidge).array().log().sum();
+  scaled.diagonal().array() += kLeastInformation;
+  return scaled.ldlt().vectorD().cwiseMax(kLeastInformation).array().log().sum();
 }
 
 std::vector<Revealed> Information::revealed(const SampledMotion& motion) {
@@ -201,7 +201,7 @@ std::vector<Revealed> Information::revealed(const SampledMotion& motion) {
     // As Detector::of has it: the part of the column that its companions do not give, in units of noise.
     const double share = std::sqrt(std::max(0.0, alone) / std::max(parts.gram(main_[e], main_[e]), 1e-300));
     const double unit_Nm = std::sqrt(parts.plain(recipe.joint, main_[e])) * share;
-    const bool shows = left > kRidge * std::max(alone, 1e-300) && unit_Nm > 0.0;
+    const bool shows = left > kLeastInformation * std::max(alone, 1e-300) && unit_Nm > 0.0;
     const Detectable shape{
         .in_noise = std::sqrt(threshold / std::max(left, 1e-300)) * unit_Nm / noise.noise_Nm,
         .own_share = shows ? std::sqrt(left / alone) : 0.0,

@@ -33,7 +33,7 @@ std::string kindOf(const std::string& label) {
   return label.substr(0, label.find('@'));
 }
 
-bool isCommon(const std::string& label) {
+bool isCommonLabel(const std::string& label) {
   const std::vector<std::string> common = commonKinds();
   return std::find(common.begin(), common.end(), kindOf(label)) != common.end();
 }
@@ -83,7 +83,7 @@ std::vector<std::string> effectsToShow(const std::vector<std::string>& found,
   std::vector<std::string> untold;
   std::copy_if(not_identifiable.begin(), not_identifiable.end(), std::back_inserter(untold),
                [](const std::string& label) { return canBeShown(label) && !isPayload(label); });
-  const bool any_common = std::any_of(untold.begin(), untold.end(), isCommon);
+  const bool any_common = std::any_of(untold.begin(), untold.end(), isCommonLabel);
   std::for_each(found.begin(), found.end(), [&](const std::string& label) {
     if (canBeShown(label)) {
       add(label);
@@ -91,7 +91,7 @@ std::vector<std::string> effectsToShow(const std::vector<std::string>& found,
   });
   const bool any_found = !effects.empty();
   for (const std::string& label : untold) {
-    if (isCommon(label) || (!any_common && !any_found)) {
+    if (isCommonLabel(label) || (!any_common && !any_found)) {
       add(label);
     }
   }

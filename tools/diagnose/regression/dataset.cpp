@@ -270,13 +270,16 @@ Column Dataset::driveTorque() const {
   return column([](const Series& series, std::size_t i) { return series.measured_torque_Nm[i]; });
 }
 
-Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
-  Column sum = column([&](const Series& series, std::size_t i) -> JointVector {
-    const model::Mechanism& body = dynamics.mechanism();
+Column Dataset::mechanismTorque(const model::Mechanism& body, const JointVector& offset_rad) const {
+  return column([&](const Series& series, std::size_t i) -> JointVector {
     const model::EffectInput& state = series.states[i];
-    return body.inertia(state.q) * series.acceleration[i] + body.coriolis(state.q, state.dq) * state.dq +
-           body.gravity(state.q);
+    const model::RigidBodyTerms terms = body.rigidBody(state.q + offset_rad, state.dq);
+    return terms.inertia * series.acceleration[i] + terms.bias_Nm;
   });
+}
+
+Column Dataset::modelTorque(model::DynamicsModel& dynamics) const {
+  Column sum = mechanismTorque(dynamics.mechanism(), JointVector::Zero(joints_));
   for (const auto& effect : dynamics.effects()) {
     sum += effectTorque(*effect);
   }

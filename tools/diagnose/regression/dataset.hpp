@@ -83,6 +83,8 @@ class Dataset {
   Column driveTorque() const;
   /// Torque that a model needs for the recorded motion.
   Column modelTorque(model::DynamicsModel& dynamics) const;
+  /// The same of a mechanism alone, as if it stood at q + offset where q is measured.
+  Column mechanismTorque(const model::Mechanism& mechanism, const JointVector& offset_rad) const;
   /// Torque that an effect takes from the drives: −torque() + ΔI ddq.
   Column effectTorque(model::Effect& effect) const;
   /// The same, driven by the part of the torque that the motion asked for.

@@ -13,4 +13,8 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixBase<Columns>& columns) {
   return half.selfadjointView<Eigen::Lower>();
 }
 
+/// The same of columns of several joints, so many rows each: most parameters of a chain's links are felt by
+/// the joints before them only.
+Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint);
+
 }  // namespace patella::diagnose

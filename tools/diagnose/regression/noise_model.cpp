@@ -151,8 +151,17 @@ Eigen::MatrixXd Weighting::covariance(const Eigen::VectorXd& residual) const {
 }
 
 void Weighting::scaleTo(const Eigen::VectorXd& residual) {
-  const Eigen::LLT<Eigen::MatrixXd> root(covariance(residual));
-  inverse_root_ = root.matrixL().solve(Eigen::MatrixXd::Identity(data_->joints(), data_->joints()));
+  // The lower triangle of the joints in reverse order.
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance(residual).reverse().eval());
+  inverse_root_ = root.matrixL().solve(Eigen::MatrixXd::Identity(data_->joints(), data_->joints())).reverse();
+}
+
+Eigen::MatrixXd Weighting::filtered(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  Eigen::MatrixXd result(rows_ * data_->joints(), columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    result.col(c) = filter_.innovations(*data_, columns.col(c));
+  }
+  return result;
 }
 
 Eigen::MatrixXd Weighting::apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
@@ -166,7 +175,7 @@ Eigen::MatrixXd Weighting::apply(const Eigen::Ref<const Eigen::MatrixXd>& column
       if (own.isZero(0.0)) {
         continue;
       }
-      for (int row = joint; row < joints; ++row) {
+      for (int row = 0; row <= joint; ++row) {
         result.col(c).segment(row * rows_, rows_) += inverse_root_(row, joint) * own;
       }
     }
@@ -174,18 +183,25 @@ Eigen::MatrixXd Weighting::apply(const Eigen::Ref<const Eigen::MatrixXd>& column
   return result;
 }
 
-Eigen::MatrixXd Weighting::transposed(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const {
+Eigen::MatrixXd Weighting::gathered(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const {
   const int joints = data_->joints();
-  Eigen::MatrixXd result(data_->rows() * joints, weighted.cols());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows_ * joints, weighted.cols());
   for (Eigen::Index c = 0; c < weighted.cols(); ++c) {
-    Eigen::VectorXd unscaled = Eigen::VectorXd::Zero(rows_ * joints);
-    for (int row = 0; row < joints; ++row) {
-      for (int joint = 0; joint <= row; ++joint) {
-        unscaled.segment(joint * rows_, rows_) +=
+    for (int joint = 0; joint < joints; ++joint) {
+      for (int row = 0; row <= joint; ++row) {
+        result.col(c).segment(joint * rows_, rows_) +=
             inverse_root_(row, joint) * weighted.col(c).segment(row * rows_, rows_);
       }
     }
-    result.col(c) = filter_.transposed(*data_, unscaled);
+  }
+  return result;
+}
+
+Eigen::MatrixXd Weighting::transposed(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const {
+  const Eigen::MatrixXd of_joints = gathered(weighted);
+  Eigen::MatrixXd result(data_->rows() * data_->joints(), weighted.cols());
+  for (Eigen::Index c = 0; c < weighted.cols(); ++c) {
+    result.col(c) = filter_.transposed(*data_, of_joints.col(c));
   }
   return result;
 }

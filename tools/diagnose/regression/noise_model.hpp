@@ -48,6 +48,13 @@ class Weighting {
   Eigen::Index rows() const noexcept { return rows_; }
   /// Columns in units of the residual's weighted standard deviation, the joints' correlation taken out.
   Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  /// The first half of it: each joint filtered alone.
+  Eigen::MatrixXd filtered(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  /// The transposed second half: products of what filtered() gives with these rows are those of what apply()
+  /// gives with the given ones.
+  Eigen::MatrixXd gathered(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const;
+  /// Inverse covariance of the filtered joints, under which apply() makes products.
+  Eigen::MatrixXd precision() const { return inverse_root_.transpose() * inverse_root_; }
   /// The transposed map, back to Columns.
   Eigen::MatrixXd transposed(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const;
   /// rows · log det of the weighted residual's covariance: what a fit makes small.
@@ -60,7 +67,9 @@ class Weighting {
   const Dataset* data_;
   Autoregression filter_;
   Eigen::Index rows_;
-  Eigen::MatrixXd inverse_root_;  ///< L⁻¹ of the weighted covariance L Lᵀ
+  /// U⁻¹ of the weighted covariance U Uᵀ, U an upper triangle: a joint's rows are made of those of the joints
+  /// after it, which of the parameters of a chain's links know its last ones only.
+  Eigen::MatrixXd inverse_root_;
 };
 
 /// Draws residuals like the one it was fitted to.

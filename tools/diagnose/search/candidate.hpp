@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "tools/diagnose/fit/model_fit.hpp"
-#include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/search/screening.hpp"
 
 namespace patella::diagnose {
 

@@ -16,7 +16,7 @@ namespace patella::diagnose {
 namespace {
 
 /// Logarithm of a factor from which on nothing is known of what it multiplies.
-constexpr double kLargestLogarithm = 50.0;
+constexpr double kUnknownLogarithm = 50.0;
 /// Of a joint that leaves nothing at all.
 constexpr double kLeastVariance_Nm2 = 1e-18;
 
@@ -127,7 +127,7 @@ std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::Matri
                      .by_factor = term.recipe->by_factors,
                      .at_bound = at_bound.contains(name)});
       if (all.back().by_factor) {
-        const double factor = std::exp(std::min(half / values[p], kLargestLogarithm));
+        const double factor = std::exp(std::min(half / values[p], kUnknownLogarithm));
         all.back().ci95 = {values[p] / factor, values[p] * factor};
       }
     }

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/search/screening.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -12,8 +12,6 @@ namespace {
 /// Shares of the joint's velocity (rms).
 constexpr std::array kShares{0.002, 0.006, 0.02};
 constexpr double kSlowest_rad_s = 1e-4;
-/// The screening has to draw some chance, which is not looked at here.
-constexpr int kReplicates = 2;
 
 double velocityRms(const Dataset& data, int joint) {
   double sum = 0.0, count = 0.0;
@@ -44,7 +42,7 @@ std::vector<double> frictionSmoothing(ModelFitter& fitter, const ModelFit& nomin
     return smoothing;
   }
   const Atoms atoms = recipeAtoms(fitter, candidates);
-  const Screening screening(data, nominal, atoms, {.replicates = kReplicates, .seed = seed});
+  const Screening screening(data, nominal, atoms, {.replicates = kFewestReplicates, .seed = seed});
   std::vector<double> best(smoothing.size(), 0.0);
   for (const Screened& screened : screening.results()) {
     const auto joint = static_cast<std::size_t>(atoms.items[screened.atom].joint);

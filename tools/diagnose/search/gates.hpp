@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "tools/diagnose/fit/model_fit.hpp"
 
@@ -17,19 +19,49 @@ struct Gates {
   bool rest = true;              ///< asserted only with more torque than what nothing explains
 };
 
-/// Blocked cross-validation: mean and standard error over blocks of the fall in squared whitened error on the
-/// block that a fit has not seen.
-struct CrossValidation {
-  double gain = 0.0;
-  double standard_error = 0.0;
-  /// All blocks but one at most gain. A block that alone shows what a parameter is, such as a motion's onset,
-  /// cannot be foreseen from the others, and its loss, a linear extrapolation, says nothing.
-  bool almost_everywhere = false;
-};
-CrossValidation crossValidate(const ModelFit& smaller, const ModelFit& larger);
+/// Normal equations of a linearised fit, block by block of time. Around the optimum the model is residual +
+/// tangent·x with the prior pulling x to where its own residual vanishes.
+struct BlockEquations {
+  std::vector<Eigen::MatrixXd> gram;
+  std::vector<Eigen::VectorXd> moment;
+  std::vector<double> square;
+  Eigen::MatrixXd prior;
+  Eigen::VectorXd prior_moment;
+  double prior_square = 0.0;
 
-/// Share of block bootstraps in which the larger model gains more than `cost`.
-double stability(const ModelFit& smaller, const ModelFit& larger, double cost, std::uint64_t seed);
+  BlockEquations(const ModelFit& fit, const Weighting& weighting, int blocks);
+  /// x where each block counts so many times.
+  Eigen::VectorXd solution(std::span<const double> weight) const;
+  /// Squared distance of x from what is known.
+  double priorError(const Eigen::VectorXd& x) const;
+  /// Squared error of a block at x.
+  double error(std::size_t block, const Eigen::VectorXd& x) const;
+};
+
+/// A smaller and a larger fit of the same rows, on blocks of time.
+class Blockwise {
+ public:
+  Blockwise(const ModelFit& smaller, const ModelFit& larger);
+
+  /// Whether the larger fit is the better one on blocks that were not fitted: its gain in squared whitened
+  /// error is positive by accepted::kCrossValidationErrors, or on all blocks but one at most. A block that
+  /// alone shows what a parameter is, such as a motion's onset, cannot be foreseen from the others, and its
+  /// loss, a linear extrapolation, says nothing.
+  bool foreseen() const;
+  /// Whether it gains more than `cost` in a share accepted::kLeastStability of block bootstraps.
+  bool isStable(double cost, std::uint64_t seed) const;
+
+ private:
+  /// Falls that the larger model brings, parameters fitted to blocks with one weight and judged with another.
+  struct Gain {
+    double error = 0.0;  ///< of the squared error
+    double prior = 0.0;  ///< of the squared distance from what is known
+  };
+  Gain gain(std::span<const double> fitted, std::span<const double> judged) const;
+
+  BlockEquations without_;
+  BlockEquations with_;
+};
 
 /// Covariance of a fit's parameters from leaving out one block of time after another (jackknife): it also
 /// holds what the noise model does not know, such as an effect that is not quite of its equation's shape. So

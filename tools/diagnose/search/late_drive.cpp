@@ -6,6 +6,7 @@
 
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/estimates.hpp"
+#include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -14,11 +15,32 @@ namespace {
 /// As far up as encoders let accelerations be known.
 constexpr DatasetOptions kFast{.smoothing_Hz = 100.0, .evaluation_rate_Hz = 1000.0, .band_Hz = 40.0};
 
-bool undisturbed(const Dataset& data, const model::ModelDescription& explained, int joint) {
+// Those whose torque the model explains but for little.
+std::vector<int> undisturbed(const Dataset& data, const model::ModelDescription& explained,
+                             std::span<const int> joints) {
   model::DynamicsModel dynamics = model::makeModel(explained);
   const Column torque = data.driveTorque();
-  return jointRms(data, torque - data.modelTorque(dynamics), joint) <
-         late_drive::kUndisturbed * jointRms(data, torque, joint);
+  const Column left = torque - data.modelTorque(dynamics);
+  std::vector<int> clean(joints.begin(), joints.end());
+  std::erase_if(clean, [&](int joint) {
+    return jointRms(data, left, joint) >= late_drive::kUndisturbed * jointRms(data, torque, joint);
+  });
+  return clean;
+}
+
+// Those where a candidate would pay for its parameters, were the noise white: chance, which takes long to
+// draw, only asks for more.
+std::vector<int> promising(ModelFitter& fitter, const ModelFit& nominal, const Atoms& atoms) {
+  const Screening screening(fitter.data(), nominal, atoms, {.replicates = kFewestReplicates});
+  std::vector<int> joints;
+  for (const Candidate& candidate : rank(atoms, screening, parameterCost(nominal))) {
+    if (candidate.refused_because.empty()) {
+      joints.push_back(candidate.atom->joint);
+    }
+  }
+  std::sort(joints.begin(), joints.end());
+  joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
+  return joints;
 }
 
 // Fast motion holds few sinusoids, and what a controller answers is little here.
@@ -48,8 +70,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
   if (data.isStatic()) {
     return {};
   }
-  std::vector<int> clean(joints.begin(), joints.end());
-  std::erase_if(clean, [&](int joint) { return !undisturbed(data, explained, joint); });
+  const std::vector<int> clean = undisturbed(data, explained, joints);
   if (clean.empty()) {
     return {};
   }
@@ -58,9 +79,12 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
   const ModelFit nominal = fitter.nominal();
   const std::vector<std::string> kinds{"actuator_delay", "actuator_lag"};
   const std::vector<double> no_friction(static_cast<std::size_t>(data.joints()), 0.0);
-  const auto all = byWholeTorque(recipes(data, explained.mechanism, kinds, {}, no_friction));
+  auto all = byWholeTorque(recipes(data, explained.mechanism, kinds, {}, no_friction));
+  std::erase_if(all, [&](const auto& recipe) {
+    return std::find(clean.begin(), clean.end(), recipe->joint) == clean.end();
+  });
   std::vector<LateDrive> late;
-  for (const int joint : clean) {
+  for (const int joint : promising(fitter, nominal, recipeAtoms(fitter, all))) {
     auto considered = all;
     std::erase_if(considered, [joint](const auto& recipe) { return recipe->joint != joint; });
     // One a drive: two delays are one.

@@ -38,7 +38,7 @@ double mostOverRest(const Joints& with, const Joints& without, std::span<const d
   return most;
 }
 
-bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
+bool isPartOfFunction(const std::vector<FreeFunction>& functions, std::size_t term) {
   return std::any_of(functions.begin(), functions.end(),
                      [term](const FreeFunction& function) { return function.holds(term); });
 }
@@ -60,7 +60,7 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
     std::optional<Selection> best;
     const Recipe* recipe = nullptr;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
-      if (selection.fit.terms[t].declared || isPartOf(functions, t)) {
+      if (selection.fit.terms[t].declared || isPartOfFunction(functions, t)) {
         continue;
       }
       Selection smaller = withoutTerm(fitter, selection, t);

@@ -9,7 +9,7 @@
 
 #include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
-#include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/search/screening.hpp"
 
 namespace patella::diagnose {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/search/screening.hpp"
 #include "tools/diagnose/search/selection.hpp"
 
 namespace patella::diagnose {

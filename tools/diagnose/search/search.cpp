@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 
@@ -31,8 +30,8 @@ bool isOscillation(const Atom& atom) {
   return atom.recipe != nullptr && atom.recipe->kind == "tremor";
 }
 
-// The part of the columns that is not spanned already; `before` are their squared lengths before the fit's
-// share was taken out.
+// The part of the columns that is not spanned already; `before` are their squared lengths before something
+// was taken out of them.
 std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::MatrixXd>& columns,
                                              const Eigen::VectorXd& before) {
   std::vector<Eigen::VectorXd> kept;
@@ -48,17 +47,8 @@ std::vector<Eigen::VectorXd> orthonormalised(const Eigen::Ref<const Eigen::Matri
   return kept;
 }
 
-// Least-squares coefficients; of columns that the fit nearly spans none that are large against the others.
-Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::VectorXd& before,
-                             const Eigen::VectorXd& residual) {
-  const Eigen::VectorXd length = before.cwiseSqrt().cwiseMax(1e-12);
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(0.02);
-  decomposition.compute(columns * length.cwiseInverse().asDiagonal());
-  return decomposition.solve(residual).cwiseQuotient(length);
-}
+}  // namespace
 
-// Residuals drawn from a fit's noise, weighted; below them the priors' rows.
 Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int count, std::mt19937_64& random) {
   const NoiseProcess process(data, fit.residual);
   const Eigen::Index rows = fit.weighting->rows() * data.joints();
@@ -74,37 +64,6 @@ Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int coun
   }
   return draws;
 }
-
-constexpr Eigen::Index kColumnsAtATime = 64;
-constexpr Eigen::Index kClusters = 40;
-
-// Mean square that chance brings a column of the basis, from sums of its products with the residual over
-// pieces of time (Liang and Zeger, Biometrika 73, 1986).
-double clusteredVariance(const std::vector<Eigen::VectorXd>& basis, Eigen::VectorXd residual, int joints) {
-  for (const Eigen::VectorXd& unit : basis) {
-    const auto column = unit.head(residual.size());
-    residual -= column * column.dot(residual);
-  }
-  const Eigen::Index rows = residual.size() / joints;
-  double sum = 0.0;
-  for (Eigen::Index cluster = 0; cluster < kClusters; ++cluster) {
-    const Eigen::Index begin = rows * cluster / kClusters;
-    const Eigen::Index size = rows * (cluster + 1) / kClusters - begin;
-    for (const Eigen::VectorXd& unit : basis) {
-      double product = 0.0;
-      for (int joint = 0; joint < joints; ++joint) {
-        const Eigen::Index first = joint * rows + begin;
-        product += unit.segment(first, size).dot(residual.segment(first, size));
-      }
-      sum += product * product;
-    }
-  }
-  // The part of the residual that the basis took up is missing in the sums.
-  const auto taken = static_cast<double>(basis.size());
-  return sum / taken * static_cast<double>(kClusters) / (static_cast<double>(kClusters) - taken);
-}
-
-}  // namespace
 
 Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
                         const Eigen::MatrixXd& nuisance) {
@@ -126,13 +85,22 @@ Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight
   return qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
 }
 
-double withMotion(const ScreenedGroup& group, double unit) {
-  return std::clamp(group.seen_in_time, unit, accepted::kMostByMotion * unit);
-}
-
 Eigen::MatrixXd Atoms::of(const Atom& atom) const {
   return isOscillation(atom) ? oscillationColumns(*data, atom.joint, atom.nu.front())
                              : Eigen::MatrixXd(columns.middleCols(atom.first, atom.count));
+}
+
+std::optional<int> Atoms::onlyJoint(const Atom& atom) const {
+  if (isOscillation(atom)) {
+    return atom.joint;
+  }
+  const auto own = columns.middleCols(atom.first, atom.count);
+  for (int joint = 0; joint < data->joints(); ++joint) {
+    if (joint != atom.joint && !own.middleRows(joint * data->rows(), data->rows()).isZero(0.0)) {
+      return {};
+    }
+  }
+  return atom.joint;
 }
 
 Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Recipe>> recipes) {
@@ -164,125 +132,6 @@ Atoms recipeAtoms(ModelFitter& fitter, std::span<const std::shared_ptr<const Rec
     part.resize(0, 0);
   }
   return atoms;
-}
-
-Screening::Screening(const Dataset& data, const ModelFit& fit, const Atoms& atoms,
-                     const ScreeningOptions& options)
-    : explained_(takenUp(fit, fit.prior_weight, options.nuisance)) {
-  const Eigen::VectorXd white = fit.weighting->apply(fit.residual);
-  Eigen::VectorXd residual = Eigen::VectorXd::Zero(explained_.rows());
-  residual.head(white.size()) = white;
-  residual.tail(fit.prior_residual.size()) = fit.prior_residual;
-  residual -= explained_ * (explained_.transpose() * residual);
-
-  Eigen::Index total = 0;
-  for (const Atom& atom : atoms.items) {
-    total += atom.count;
-  }
-  basis_.resize(explained_.rows(), total);
-  Eigen::Index used = 0;
-  for (std::size_t first = 0; first < atoms.items.size();) {
-    // So many at a time: weighting and projection are products of matrices, and all of them at once would
-    // take several times the memory of the basis.
-    std::size_t end = first;
-    Eigen::Index count = 0;
-    while (end < atoms.items.size() && count < kColumnsAtATime) {
-      count += atoms.items[end++].count;
-    }
-    Eigen::MatrixXd raw(data.rows() * data.joints(), count);
-    Eigen::Index column = 0;
-    for (std::size_t a = first; a < end; ++a) {
-      raw.middleCols(column, atoms.items[a].count) = atoms.of(atoms.items[a]);
-      column += atoms.items[a].count;
-    }
-    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(explained_.rows(), count);
-    work.topRows(white.size()) = fit.weighting->apply(raw);
-    const Eigen::VectorXd before = work.colwise().squaredNorm();
-    work -= explained_ * (explained_.transpose() * work);
-    column = 0;
-    for (; first < end; ++first) {
-      const Eigen::Index width = atoms.items[first].count;
-      screen(atoms.items[first], first, work.middleCols(column, width), before.segment(column, width),
-             {.residual = residual, .white_rows = white.size(), .joints = data.joints()}, options, used);
-      column += width;
-    }
-  }
-  basis_.conservativeResize(Eigen::NoChange, used);
-  drawChance(data, fit, options);
-}
-
-void Screening::screen(const Atom& atom, std::size_t index, const Eigen::Ref<const Eigen::MatrixXd>& group,
-                       const Eigen::VectorXd& before, const Left& left, const ScreeningOptions& options,
-                       Eigen::Index& used) {
-  const std::vector<Eigen::VectorXd> kept = orthonormalised(group, before);
-  const bool one_sided = atom.count == 1 && atom.recipe != nullptr &&
-                         (atom.recipe->coefficients() == 0 || atom.recipe->nonnegative[0]);
-  Screened result{.atom = index,
-                  .raw_gain = 0.0,
-                  .gain = 0.0,
-                  .wrong_sign = false,
-                  .dimensions = 0,
-                  .c = Eigen::VectorXd::Zero(atom.count)};
-  if (!kept.empty()) {
-    result.dimensions = static_cast<int>(kept.size()) + atom.nonlinear;
-    result.c = coefficients(group, before, left.residual);
-  }
-  groups_.push_back({.first = used,
-                     .count = static_cast<Eigen::Index>(kept.size()),
-                     .dimensions = result.dimensions,
-                     .one_sided = one_sided});
-  if (options.goes_with_motion && !kept.empty()) {
-    groups_.back().seen_in_time = clusteredVariance(kept, left.residual.head(left.white_rows), left.joints);
-  }
-  for (const Eigen::VectorXd& unit : kept) {
-    result.raw_gain += std::pow(unit.dot(left.residual), 2);
-    basis_.col(used++) = unit.cast<float>();  // a single column keeps its sign, for one-sided tests
-  }
-  result.wrong_sign = one_sided && result.c[0] < 0.0;
-  results_.push_back(std::move(result));
-}
-
-void Screening::drawChance(const Dataset& data, const ModelFit& fit, const ScreeningOptions& options) {
-  std::mt19937_64 random(options.seed);
-  Eigen::MatrixXd draws = weightedDraws(data, fit, options.replicates, random);
-  draws -= explained_ * (explained_.transpose() * draws);
-  products_ = basis_.transpose() * draws.cast<float>();
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    ScreenedGroup& group = groups_[g];
-    if (group.count > 0) {
-      group.unit = products_.middleRows(group.first, group.count).squaredNorm() /
-                   static_cast<double>(group.count * products_.cols());
-      const double raw = results_[g].raw_gain;
-      results_[g].gain = raw > 0.0 ? raw / withMotion(group, group.unit) : 0.0;
-    }
-  }
-}
-
-Eigen::MatrixXd Screening::basis(std::size_t atom) const {
-  const ScreenedGroup& group = groups_[atom];
-  return basis_.middleCols(group.first, group.count).cast<double>();
-}
-
-Eigen::VectorXf Screening::products(const Eigen::VectorXd& rows) const {
-  return basis_.transpose() * rows.cast<float>();  // the basis has nothing of what the fit explains
-}
-
-std::vector<double> Screening::chance(const Statistic& statistic) const {
-  std::vector<double> largest(static_cast<std::size_t>(products_.cols()),
-                              -std::numeric_limits<double>::infinity());
-  for (Eigen::Index r = 0; r < products_.cols(); ++r) {
-    for (const ScreenedGroup& group : groups_) {
-      if (group.count == 0 || (group.one_sided && products_(group.first, r) < 0.0F)) {
-        continue;
-      }
-      const double square = products_.col(r).segment(group.first, group.count).squaredNorm();
-      // Where a fit leaves nothing at all, chance brings nothing, and its unit is none.
-      const double gain = square > 0.0 ? square / group.unit : 0.0;
-      double& best = largest[static_cast<std::size_t>(r)];
-      best = std::max(best, statistic(gain, group.dimensions));
-    }
-  }
-  return largest;
 }
 
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "tools/diagnose/search/search.hpp"
+#include "tools/diagnose/search/screening.hpp"
 
 namespace patella::diagnose {
 

@@ -179,16 +179,15 @@ class Selector {
     if (options_.gates.chance && p_value >= options_.family_wise_p) {
       return "chance";
     }
-    if (options_.gates.cross_validation) {
-      const CrossValidation validated = crossValidate(result_.fit, *candidate.fit);
-      if (!validated.almost_everywhere &&
-          validated.gain <= accepted::kCrossValidationErrors * validated.standard_error) {
-        return kUnsteady;
-      }
+    if (!options_.gates.cross_validation && !options_.gates.stability) {
+      return {};
+    }
+    const Blockwise blocks(result_.fit, *candidate.fit);
+    if (options_.gates.cross_validation && !blocks.foreseen()) {
+      return kUnsteady;
     }
     if (options_.gates.stability &&
-        stability(result_.fit, *candidate.fit, candidate.unit * (candidate.gain - candidate.margin),
-                  options_.seed) < accepted::kLeastStability) {
+        !blocks.isStable(candidate.unit * (candidate.gain - candidate.margin), options_.seed)) {
       return kUnstable;
     }
     return {};

@@ -33,7 +33,7 @@ constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_sti
 /// many times.
 constexpr double kStep = 2.0;
 constexpr int kMostSteps = 6;
-constexpr int kHalvings = 3;
+constexpr int kSizeHalvings = 3;
 
 struct Size {
   double torque_Nm = kNever;
@@ -68,7 +68,7 @@ Size rehearsed(const Size& least, const Rehearsal& rehearsal) {
     above *= kStep;
   }
   double below = above / kStep;
-  for (int halving = 0; halving < kHalvings && above > 1.0; ++halving) {
+  for (int halving = 0; halving < kSizeHalvings && above > 1.0; ++halving) {
     const double middle = std::sqrt(below * above);
     (asserts(middle) ? above : below) = middle;
   }

@@ -32,7 +32,7 @@ struct Equations {
 
   Equations(const Weighting& weighting, const Eigen::MatrixXd& columns, const Eigen::VectorXd& prior_weight)
       : slope(weighting.apply(columns)) {
-    Eigen::MatrixXd information = gramOf(slope);
+    Eigen::MatrixXd information = gramByJoint(slope, weighting.rows());
     information.diagonal() += prior_weight.cwiseAbs2();
     length = information.diagonal().cwiseSqrt().cwiseMax(1e-150);
     information = length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
@@ -156,10 +156,8 @@ bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with) const {
   if ((without.objective - with.objective) / unit - cost <= std::max(0.0, obstacles_.chance)) {
     return false;
   }
-  const CrossValidation validated = crossValidate(without, with);
-  return (validated.almost_everywhere ||
-          validated.gain > accepted::kCrossValidationErrors * validated.standard_error) &&
-         stability(without, with, unit * cost, kSeed) >= accepted::kLeastStability;
+  const Blockwise blocks(without, with);
+  return blocks.foreseen() && blocks.isStable(unit * cost, kSeed);
 }
 
 bool Rehearsal::outweighsRest(const ModelFit& without, const ModelFit& with) const {
@@ -176,7 +174,8 @@ bool Rehearsal::outweighsRest(const ModelFit& without, const ModelFit& with) con
 
 bool Rehearsal::asserts(double strength) const {
   const double seen = strength - against_;
-  if (!(seen > 0.0)) {
+  const double wide = asserted::kShapeAllowance * kDeviations95;
+  if (!(seen > wide * spread_)) {
     return false;
   }
   const Eigen::VectorXd torque = rest_ + seen * shape_;
@@ -192,7 +191,7 @@ bool Rehearsal::asserts(double strength) const {
   }
   const Eigen::Index place = fit_.tangent.cols();
   const double deviation = std::max(spread_, std::sqrt(jackknifeCovariance(settled)(place, place)));
-  return seen > asserted::kShapeAllowance * kDeviations95 * deviation;
+  return seen > wide * deviation;
 }
 
 }  // namespace patella::diagnose
