@@ -317,7 +317,8 @@ std::vector<double> Reader::errorBesideTremor() const {
 Reader::Columns Reader::turned(const Convention& zero) {
   auto found = shifts_.find(zero.joint);
   if (found == shifts_.end()) {
-    found = shifts_.emplace(zero.joint, AngleShift::ofRegressor(data_, bare_.mechanism(), zero.joint, false)).first;
+    found = shifts_.emplace(zero.joint, AngleShift::ofRegressor(data_, bare_.mechanism(), zero.joint, false))
+                .first;
   }
   const model::BaseParameters base = bare_.mechanism().baseParameters();
   Columns columns = own_;
