@@ -30,8 +30,8 @@ Eigen::Matrix3d complement(const Eigen::Matrix3d& moments, double factor) {
 Eigen::Matrix3d factorOf(const Eigen::Matrix3d& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
   const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
-  const Eigen::Vector3d size =
-      solver.eigenvalues().unaryExpr([=](double value) { return value > kMomentRounding * largest ? value : 0.0; });
+  const Eigen::Vector3d size = solver.eigenvalues().unaryExpr(
+      [=](double value) { return value > kMomentRounding * largest ? value : 0.0; });
   return solver.eigenvectors() * size.cwiseSqrt().asDiagonal();
 }
 
