@@ -41,7 +41,7 @@ fail() {
 # Filters, grids, floors of divisions, windows, units and pictures: ROOM/NAME.
 numerics="
 fit/kDifference fit/kFarthestLogarithm fit/kFarthestSlide_m fit/kLargestLogarithm fit/kLargest_rad fit/kNextToNothing fit/kRelativeStep
-fit/kMomentRounding fit/kRounding fit/kSimulationWindow_s
+fit/kMomentRounding fit/kNoFurtherGain fit/kRounding fit/kSimulationWindow_s
 checks/kAny checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDelay_s checks/kLongestLag_s
 checks/kMillisecond checks/kPerResolution checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns
 search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kFullySpanned search/kLastSteps search/kLeastVariance_Nm2
