@@ -321,6 +321,10 @@ Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad
       }};
 }
 
+bool mayBeLateDrive(const Convention& convention) {
+  return convention.kind == ConventionKind::kTorqueShift && mayBeDelay(-convention.number);
+}
+
 Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
   constexpr double kMillisecond = 1e-3;
   return {.kind = ConventionKind::kTorqueShift,

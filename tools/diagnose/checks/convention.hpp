@@ -75,6 +75,9 @@ std::vector<Convention> encoderCounts(const ColumnNames& names);
 /// The zero of a joint's angle is `offset_rad` away from the model's.
 Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad);
 
+/// Whether a torque comes early by no more than drives are late.
+bool mayBeLateDrive(const Convention& convention);
+
 /// A torque, or all (−1), comes `late_s` after the position of the same row; early where that is negative.
 Convention shiftConvention(const ColumnNames& names, int joint, double late_s);
 

@@ -59,6 +59,18 @@ double gainOf(const ReadAs& one, const Reading& given) {
              : gain(given.error, one.reading.error);
 }
 
+// The least that a convention has to gain. Where a torque is read in another way, plain effects on a joint
+// that it does not explain say nothing against it.
+double leastGainOf(const ReadAs& one, const Reading& given) {
+  double of_effects = 0.0;
+  for (std::size_t j = 0; j < given.error.size(); ++j) {
+    if (!one.convention.torque_only || one.reading.error[j] < kFarBetter * given.error[j]) {
+      of_effects += gain({given.error[j]}, {given.error_with_effects[j]});
+    }
+  }
+  return std::max(-std::log(kFarBetter), kOfEffects * of_effects);
+}
+
 bool leavesAsMachines(const Reading& reading) {
   return std::all_of(reading.error.begin(), reading.error.end(),
                      [](double error) { return error < kAsMachines; });
@@ -182,7 +194,7 @@ bool explains(const ReadAs& one, const Reading& given) {
           read.error[j] < kSmallPart * given.error[j] && losesMost(read.error[j], given.error[j]);
       // A drive that is late is no plain effect, and explains what a shift does.
       const bool beyond_effects =
-          one.convention.kind != ConventionKind::kTorqueShift &&
+          !mayBeLateDrive(one.convention) &&
           std::hypot(read.error[j], kFloor) < kFarBetter * std::hypot(given.error_with_effects[j], kFloor);
       speaks = speaks || given.error[j] > kOutOfProportion || most_goes || beyond_effects ||
                (one.convention.kind == ConventionKind::kTorqueUnit &&
@@ -267,11 +279,9 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
       std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
     return {};
   }
-  const double least =
-      std::max(-std::log(kFarBetter), kOfEffects * gain(given.error, given.error_with_effects));
   std::vector<ReadAs> all = readings(reader, given, names);
   std::erase_if(all, [&](const ReadAs& one) {
-    return !explains(one, given) || gainOf(one, given) < least ||
+    return !explains(one, given) || gainOf(one, given) < leastGainOf(one, given) ||
            gain(one.reading.error, given.error_with_effects, kSensors) >
                static_cast<double>(given.error.size()) * std::log(kTimesEffects);
   });
