@@ -220,6 +220,17 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
   }
 }
 
+TEST_CASE("effects on a joint that a torque's shift does not explain say nothing against it") {
+  constexpr double kSpring_Nm_rad = 1.5;
+  Recording recording = swinging();
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    recording.torque_Nm[0][i] += kSpring_Nm_rad * (recording.position_rad[0][i] + 0.5 * kPi);
+  }
+  CHECK(wrongIn(recording).empty());
+  recording.torque_Nm[1] = later(recording.torque_Nm[1], 8);
+  CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.04, 0.02));
+}
+
 TEST_CASE("a torque that comes too early may be that of a late drive, and is where the model declares one") {
   constexpr std::ptrdiff_t kRows = 8;
   constexpr double kEarly_s = kRows / 200.0;
