@@ -1,20 +1,22 @@
 #include "tools/diagnose/regression/gram.hpp"
 
-#include <vector>
-
 namespace patella::diagnose {
+
+std::vector<Eigen::Index> feltColumns(const Eigen::MatrixXd& columns, Eigen::Index first, Eigen::Index rows) {
+  std::vector<Eigen::Index> felt;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    if (!columns.col(k).segment(first, rows).isZero(0.0)) {
+      felt.push_back(k);
+    }
+  }
+  return felt;
+}
 
 Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint) {
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
   for (Eigen::Index first = 0; first < columns.rows(); first += rows_of_joint) {
-    const auto own = columns.middleRows(first, rows_of_joint);
-    std::vector<Eigen::Index> felt;
-    for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-      if (!own.col(k).isZero(0.0)) {
-        felt.push_back(k);
-      }
-    }
-    gram(felt, felt) += gramOf(own(Eigen::all, felt).eval());
+    const std::vector<Eigen::Index> felt = feltColumns(columns, first, rows_of_joint);
+    gram(felt, felt) += gramOf(columns.middleRows(first, rows_of_joint)(Eigen::all, felt).eval());
   }
   return gram;
 }

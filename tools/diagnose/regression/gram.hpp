@@ -1,6 +1,8 @@
 // Products of columns with each other.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 namespace patella::diagnose {
@@ -13,8 +15,12 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixBase<Columns>& columns) {
   return half.selfadjointView<Eigen::Lower>();
 }
 
-/// The same of columns of several joints, so many rows each: most parameters of a chain's links are felt by
+/// Which columns are not zero on so many rows from the first. Most parameters of a chain's links are felt by
 /// the joints before them only.
+std::vector<Eigen::Index> feltColumns(const Eigen::MatrixXd& columns, Eigen::Index first, Eigen::Index rows);
+
+/// columnsᵀ·columns of columns of several joints, so many rows each: most parameters of a chain's links are
+/// felt by the joints before them only.
 Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint);
 
 }  // namespace patella::diagnose

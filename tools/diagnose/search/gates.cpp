@@ -33,14 +33,9 @@ BlockEquations::BlockEquations(const ModelFit& fit, const Weighting& weighting, 
   prior_square = fit.prior_residual.squaredNorm();
   // Where the data say nothing, a little weight keeps x at the optimum.
   prior.diagonal().array() += 1e-9 * slope.squaredNorm() / static_cast<double>(slope.cols());
-  // Most parameters of a chain's links are felt by the joints before them only.
-  std::vector<std::vector<Eigen::Index>> felt(static_cast<std::size_t>(joints));
+  std::vector<std::vector<Eigen::Index>> felt;
   for (Eigen::Index joint = 0; joint < joints; ++joint) {
-    for (Eigen::Index k = 0; k < slope.cols(); ++k) {
-      if (!slope.col(k).segment(joint * rows, rows).isZero(0.0)) {
-        felt[static_cast<std::size_t>(joint)].push_back(k);
-      }
-    }
+    felt.push_back(feltColumns(slope, joint * rows, rows));
   }
   for (int b = 0; b < blocks; ++b) {
     const Eigen::Index first = rows * b / blocks;
