@@ -123,3 +123,13 @@ TEST_CASE("a spring is named beside an encoder's offset that tilts gravity as mu
   CHECK(std::count(offset->indistinguishable_from.begin(), offset->indistinguishable_from.end(),
                    "linear_stiffness") == 1);
 }
+
+TEST_CASE("a peak of friction too weak to be found is named as a possibility") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(7401000096, Suite::kDouble));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  const auto friction = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                     [](const auto& effect) { return effect.joint == 0; });
+  REQUIRE(friction != diagnosis.effects.end());
+  CHECK(friction->kind == "coulomb_friction");
+  CHECK(friction->indistinguishable_from == std::vector<std::string>{"stribeck_friction"});
+}

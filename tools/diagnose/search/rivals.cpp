@@ -52,8 +52,8 @@ class RivalSearch {
         rivals.push_back(&candidate);
       } else if (candidate.fit && isNearlyAll(candidate)) {
         simpler = &candidate;
-      } else if (candidate.fit && rivals.empty() && notExcluded(candidate) &&
-                 (wider == nullptr || predicts(candidate) > predicts(*wider))) {
+      } else if (candidate.fit && rivals.empty() && mayBeWider(candidate) &&
+                 (wider == nullptr || predicts(*candidate.fit) > predicts(*wider->fit))) {
         wider = &candidate;
       }
     }
@@ -102,9 +102,9 @@ class RivalSearch {
         return gain < rivals::kNestedEvidence * more;
       }
       if (contains(one, own_) && contains(its, own_)) {
-        return predicts(*rival) < predicts(*other);
+        return predicts(*rival->fit) < predicts(*other->fit);
       }
-      return predicts(*rival) < predicts(*other) - rivals::kPredictsLess * unit_;
+      return predicts(*rival->fit) < predicts(*other->fit) - rivals::kPredictsLess * unit_;
     };
     const auto outdoneByAny = [&](const Candidate* rival) {
       return std::any_of(rivals.begin(), rivals.end(), [&](const Candidate* other) {
@@ -134,17 +134,17 @@ class RivalSearch {
   }
 
   // Akaike's criterion: how well a rival would predict, as nobody claims that the data prove it.
-  double predicts(const Candidate& rival) const {
-    return -rival.fit->objective - 2.0 * unit_ * parametersInUse(*rival.fit);
+  double predicts(const ModelFit& fit) const { return -fit.objective - 2.0 * unit_ * parametersInUse(fit); }
+
+  // Whether an effect that contains the found one may be the true one: it would predict better, though the
+  // evidence is too little to find it, or it has not been excluded.
+  bool mayBeWider(const Candidate& rival) const {
+    return contains(*rival.atom->recipe, own_) && !unphysical(rival.refused_because) &&
+           (predicts(*rival.fit) > predicts(found_) || notExcluded(*rival.fit));
   }
 
-  // Whether the torque of an effect that contains the found one may well be another: too little is said of
-  // what it has beyond.
-  bool notExcluded(const Candidate& rival) const {
-    const ModelFit& fit = *rival.fit;
-    if (!contains(*rival.atom->recipe, own_) || unphysical(rival.refused_because)) {
-      return false;
-    }
+  // Whether the torque of a fit's last effect may well be another: too little is said of what it has beyond.
+  bool notExcluded(const ModelFit& fit) const {
     const Eigen::MatrixXd covariance = parameterCovariance(fitter_.data(), fit, kRivalReplicates, seed_);
     const Eigen::Index first = fit.offset.back();
     const Eigen::Index count = fit.tangent.cols() - first;
