@@ -60,7 +60,7 @@ class Sources:
         """The sources that are compiled as one, or the source itself."""
         if pathlib.Path(file).parent.name != "groups":
             return [file]
-        return [str(ROOT / path) for path in Sources._named_in(file)]
+        return [str(ROOT / path) for path in Sources._named_in(file) if path.endswith(".cpp")]
 
     @staticmethod
     def _named_in(file):

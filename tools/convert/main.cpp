@@ -1,10 +1,10 @@
 // patella-convert: recordings of other rigs as logs of frames that drive the loop, logs as tables, and runs
 // in the formats of other programs.
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -18,6 +18,7 @@
 #include "tools/convert/run_to_mcap.hpp"
 #include "tools/convert/run_to_opensim.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -145,21 +146,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   }
   recording->needs(map)->needs(dbc);
   map->needs(recording);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  const bool no_form =
-      std::all_of(forms.begin(), forms.end(), [](const auto* form) { return form->empty(); });
-  if (log->empty() && recording->empty() && no_form) {
-    std::cerr
-        << "patella-convert: expected a recording with --map, or one of --decode, --mcap, --recover, --bdf, "
-           "--sto and --mot\n";
-    return 1;
-  }
-
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
+    const bool no_form =
+        std::all_of(forms.begin(), forms.end(), [](const auto* form) { return form->empty(); });
+    if (log->empty() && recording->empty() && no_form) {
+      throw std::invalid_argument(
+          "expected a recording with --map, or one of --decode, --mcap, --recover, --bdf, --sto and --mot");
+    }
     if (!mcap->empty()) {
       writeMcap(arguments);
     } else if (!broken->empty()) {
@@ -173,9 +166,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     } else {
       log->empty() ? encode(arguments) : decode(arguments);
     }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-convert: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

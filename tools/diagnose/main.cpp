@@ -1,6 +1,5 @@
 // patella-diagnose: which effect a model lacks, from recordings of the real thing.
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -29,6 +28,7 @@
 #include "tools/diagnose/regression/excerpts.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 namespace {
@@ -200,16 +200,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   Arguments arguments;
   declare(app, arguments);
   app.footer("Exit status: 0 where a verdict was given, whatever it is; 1 after an error.\n\n" + planHelp());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
-    run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "patella-diagnose: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return patella::options::runProgram(app, argc, argv, [&] { run(arguments); });
 }

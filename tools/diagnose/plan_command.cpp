@@ -26,6 +26,7 @@
 #include "tools/diagnose/plan/repair.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -323,18 +324,7 @@ int runPlan(int argc, char** argv) {
   CLI::App app(kWhat, "patella-diagnose --plan");
   Arguments arguments;
   declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
-    run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "patella-diagnose: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return patella::options::runProgram(app, argc, argv, [&] { run(arguments); });
 }
 
 }  // namespace patella::diagnose

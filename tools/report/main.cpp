@@ -1,5 +1,4 @@
 // patella-report: a run folder as one page of figures and numbers.
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -10,6 +9,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/json_file.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
 #include "tools/report/panels.hpp"
@@ -37,13 +37,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::ExistingDirectory);
   arguments.add_option("--out", page, "page to write; RUN_DIR/report.html unless given");
   arguments.add_option("--png", picture, "also write all figures as one PNG picture");
-  try {
-    arguments.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return arguments.exit(error) == 0 ? 0 : 1;
-  }
-
-  try {
+  return patella::options::runProgram(arguments, argc, argv, [&] {
     const auto ticks = patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true});
     const nlohmann::json summary = loadSummary(run / "summary.json");
     const auto figures = patella::report::makePanels(ticks, summary);
@@ -56,9 +50,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       patella::report::drawPng(figures, title, picture);
       std::cout << picture.string() << "\n";
     }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-report: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,7 +1,7 @@
 // patella-train: a network for the loop, from its recordings.
-#include <exception>
 #include <iostream>
 
+#include "tools/options/run_program.hpp"
 #include "tools/train/commands.hpp"
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
@@ -20,12 +20,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   CLI::App& seal_command = *app.add_subcommand(
       "seal", "Put a digest into weights from elsewhere, so that the loop can tell when they are damaged.");
   seal_command.add_option("FILE", to_seal, "safetensors; rewritten in F32")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     if (fit_command.parsed()) {
       fit(fit_arguments, std::cout);
     } else if (seal_command.parsed()) {
@@ -33,9 +28,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     } else {
       score(score_arguments, std::cout);
     }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-train: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,11 +1,11 @@
 // patella-view: serves a live run to viewers. `patella view` starts it.
 #include <csignal>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +14,7 @@
 #include <sched.h>
 
 #include "tools/convert/progress.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/view/log_replay.hpp"
 #include "tools/view/server.hpp"
 
@@ -126,12 +127,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::ExistingFile);
   app.add_option("--allow-origin", options.access.origins,
                  "pages of other sites that may connect, as https://host");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     parseListen(listen, options);
     if (!token_file.empty()) {
       options.access.token = readToken(token_file);
@@ -142,9 +138,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       replay.emplace(run, config);
     }
     serve(replay ? replay->folder() : run, options);
-  } catch (const std::exception& error) {
-    std::cerr << "patella view: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,4 +1,4 @@
-#include "diagnose_process.hpp"
+#include "tests/integration/diagnose/diagnose_process.hpp"
 
 #include <cmath>
 

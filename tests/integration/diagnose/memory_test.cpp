@@ -2,8 +2,8 @@
 // tells as much.
 #include <doctest/doctest.h>
 
-#include "diagnose_process.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "tests/integration/diagnose/diagnose_process.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 using namespace patella;

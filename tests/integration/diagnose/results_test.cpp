@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include "diagnose_process.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
+#include "tests/integration/diagnose/diagnose_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "spoilt_rigs.hpp"
+#include "tests/integration/diagnose_bad/spoilt_rigs.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 
 using namespace patella;

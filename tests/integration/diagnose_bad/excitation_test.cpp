@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "spoilt_rigs.hpp"
+#include "tests/integration/diagnose_bad/spoilt_rigs.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

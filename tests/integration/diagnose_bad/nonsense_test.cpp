@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "spoilt_rigs.hpp"
+#include "tests/integration/diagnose_bad/spoilt_rigs.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/recordings/recording_file.hpp"

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "spoilt_rigs.hpp"
+#include "tests/integration/diagnose_bad/spoilt_rigs.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 
 using namespace patella;

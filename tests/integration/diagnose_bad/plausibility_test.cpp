@@ -9,7 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/atomic_file.hpp"
-#include "spoilt_rigs.hpp"
+#include "tests/integration/diagnose_bad/spoilt_rigs.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/recordings/recording_file.hpp"
 

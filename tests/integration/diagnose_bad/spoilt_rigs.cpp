@@ -1,4 +1,4 @@
-#include "spoilt_rigs.hpp"
+#include "tests/integration/diagnose_bad/spoilt_rigs.hpp"
 
 #include <algorithm>
 #include <array>

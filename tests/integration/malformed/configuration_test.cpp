@@ -1,7 +1,7 @@
 // Run configurations with one defect each.
 #include <doctest/doctest.h>
 
-#include "patella_process.hpp"
+#include "tests/integration/malformed/patella_process.hpp"
 
 using namespace patella::test;
 

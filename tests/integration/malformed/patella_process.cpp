@@ -1,4 +1,4 @@
-#include "patella_process.hpp"
+#include "tests/integration/malformed/patella_process.hpp"
 
 #include <algorithm>
 #include <fstream>

@@ -10,7 +10,7 @@
 #include "core/network/network_weights.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
-#include "patella_process.hpp"
+#include "tests/integration/malformed/patella_process.hpp"
 
 using namespace patella::test;
 

@@ -14,7 +14,7 @@
 #include "drivers/can/input_table.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/can/unit.hpp"
-#include "rig_map.hpp"
+#include "tests/unit/can/rig_map.hpp"
 
 using namespace patella::can;
 using namespace patella::can::test;

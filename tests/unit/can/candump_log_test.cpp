@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "temporary_file.hpp"
+#include "tests/unit/can/temporary_file.hpp"
 
 using namespace patella::can;
 

@@ -4,9 +4,9 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder_fixture.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/measurement_decoder.hpp"
+#include "tests/unit/can/decoder_fixture.hpp"
 
 using namespace patella;
 using namespace patella::can;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "drivers/can/measurement_decoder.hpp"
-#include "rig_map.hpp"
+#include "tests/unit/can/rig_map.hpp"
 
 namespace patella::can::test {
 

@@ -5,8 +5,8 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder_fixture.hpp"
 #include "drivers/can/measurement_decoder.hpp"
+#include "tests/unit/can/decoder_fixture.hpp"
 
 using namespace patella;
 using namespace patella::can;

@@ -1,7 +1,7 @@
 // Frames that are old, forged, bad now and then, or come back after a silence.
 #include <doctest/doctest.h>
 
-#include "decoder_fixture.hpp"
+#include "tests/unit/can/decoder_fixture.hpp"
 
 using namespace patella;
 using namespace patella::can;

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder_fixture.hpp"
+#include "tests/unit/can/decoder_fixture.hpp"
 
 using namespace patella;
 using namespace patella::can;

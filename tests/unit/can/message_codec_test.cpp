@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "drivers/can/crc8.hpp"
-#include "rig_map.hpp"
+#include "tests/unit/can/rig_map.hpp"
 
 using namespace patella::can;
 

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "drivers/can/candump_log.hpp"
-#include "temporary_file.hpp"
+#include "tests/unit/can/temporary_file.hpp"
 
 using namespace patella::can;
 

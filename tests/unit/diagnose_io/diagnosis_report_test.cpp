@@ -3,8 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "made_up_diagnosis.hpp"
 #include "tests/support/count_of.hpp"
+#include "tests/unit/diagnose_io/made_up_diagnosis.hpp"
 
 using namespace patella;
 using patella::test::countOf;

@@ -1,4 +1,4 @@
-#include "made_up_diagnosis.hpp"
+#include "tests/unit/diagnose_io/made_up_diagnosis.hpp"
 
 #include <cmath>
 #include <limits>

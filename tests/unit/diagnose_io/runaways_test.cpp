@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "made_up_diagnosis.hpp"
+#include "tests/unit/diagnose_io/made_up_diagnosis.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

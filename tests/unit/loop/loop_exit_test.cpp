@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include "firmware_app/realtime/emergency_exit.hpp"
-#include "simulated_run.hpp"
 #include "tests/support/fresh_signals.hpp"
+#include "tests/unit/loop/simulated_run.hpp"
 
 using namespace patella;
 using namespace patella::app;

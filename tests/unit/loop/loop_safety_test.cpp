@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "simulated_run.hpp"
+#include "tests/unit/loop/simulated_run.hpp"
 
 using namespace patella;
 using namespace patella::app;

@@ -1,7 +1,7 @@
 // Time, counting and farewell of the loop.
 #include <doctest/doctest.h>
 
-#include "simulated_run.hpp"
+#include "tests/unit/loop/simulated_run.hpp"
 
 using namespace patella;
 using namespace patella::app;

@@ -10,8 +10,8 @@
 
 #include <doctest/doctest.h>
 
-#include "loop_reference.hpp"
-#include "random_network.hpp"
+#include "tests/unit/network/loop_reference.hpp"
+#include "tests/unit/network/random_network.hpp"
 
 namespace {
 std::atomic<long> allocations{0};

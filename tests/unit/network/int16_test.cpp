@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "core/network/attention_lstm.hpp"
-#include "random_network.hpp"
+#include "tests/unit/network/random_network.hpp"
 
 namespace patella::network {
 

@@ -1,4 +1,4 @@
-#include "loop_reference.hpp"
+#include "tests/unit/network/loop_reference.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "random_network.hpp"
+#include "tests/unit/network/random_network.hpp"
 
 #include <cmath>
 

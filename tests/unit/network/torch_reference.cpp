@@ -1,4 +1,4 @@
-#include "torch_reference.hpp"
+#include "tests/unit/network/torch_reference.hpp"
 
 #include <algorithm>
 #include <cmath>

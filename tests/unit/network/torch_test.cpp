@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include "core/network/attention_lstm.hpp"
-#include "random_network.hpp"
-#include "torch_reference.hpp"
+#include "tests/unit/network/random_network.hpp"
+#include "tests/unit/network/torch_reference.hpp"
 
 namespace patella::network {
 

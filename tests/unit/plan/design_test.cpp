@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "planned_knee.hpp"
+#include "tests/unit/plan/planned_knee.hpp"
 #include "tools/diagnose/output/plan_files.hpp"
 #include "tools/diagnose/plan/motion_design.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "planned_knee.hpp"
+#include "tests/unit/plan/planned_knee.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "planned_knee.hpp"
+#include "tests/unit/plan/planned_knee.hpp"
 #include "tools/diagnose/plan/motion_limits.hpp"
 
 using namespace patella;

@@ -1,7 +1,7 @@
 // What a reader says of a header that lacks what it needs.
 #include <doctest/doctest.h>
 
-#include "mapped.hpp"
+#include "tests/unit/recordings/mapped.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "mapped.hpp"
+#include "tests/unit/recordings/mapped.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

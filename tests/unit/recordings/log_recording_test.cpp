@@ -6,10 +6,10 @@
 
 #include <doctest/doctest.h>
 
-#include "csv_rows.hpp"
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/message_codec.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/unit/recordings/csv_rows.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -1,7 +1,7 @@
 // Recordings of the loop, with its own idea of which torque belongs to which sample.
 #include <doctest/doctest.h>
 
-#include "csv_rows.hpp"
+#include "tests/unit/recordings/csv_rows.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "csv_rows.hpp"
+#include "tests/unit/recordings/csv_rows.hpp"
 
 namespace patella::test {
 

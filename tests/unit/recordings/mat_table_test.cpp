@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 #include <matio.h>
 
-#include "mapped.hpp"
+#include "tests/unit/recordings/mapped.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

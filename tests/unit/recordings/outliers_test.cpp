@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "csv_rows.hpp"
+#include "tests/unit/recordings/csv_rows.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "mapped.hpp"
+#include "tests/unit/recordings/mapped.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

@@ -1,7 +1,7 @@
 // Text in other forms than a table with a header and a column of time.
 #include <doctest/doctest.h>
 
-#include "mapped.hpp"
+#include "tests/unit/recordings/mapped.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;

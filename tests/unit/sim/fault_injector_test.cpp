@@ -6,8 +6,8 @@
 
 #include "drivers/can/error_monitor.hpp"
 #include "drivers/can/message_codec.hpp"
-#include "rig_fixture.hpp"
 #include "sim/loop_faults.hpp"
+#include "tests/unit/sim/rig_fixture.hpp"
 
 using namespace patella;
 using namespace patella::sim;

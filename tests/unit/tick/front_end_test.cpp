@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "simulated_leg.hpp"
+#include "tests/unit/tick/simulated_leg.hpp"
 
 using namespace patella;
 using namespace patella::tick;

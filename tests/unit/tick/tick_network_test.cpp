@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "core/network/network_weights.hpp"
-#include "simulated_leg.hpp"
+#include "tests/unit/tick/simulated_leg.hpp"
 
 using namespace patella;
 using namespace patella::tick;

@@ -5,8 +5,8 @@
 #include <doctest/doctest.h>
 
 #include "core/model/one_dof.hpp"
-#include "simulated_leg.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/unit/tick/simulated_leg.hpp"
 
 using namespace patella;
 using namespace patella::tick;

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "made_up.hpp"
+#include "tests/unit/train/made_up.hpp"
 #include "tools/train/early_stopping.hpp"
 #include "tools/train/model_card.hpp"
 

@@ -1,4 +1,4 @@
-#include "made_up.hpp"
+#include "tests/unit/train/made_up.hpp"
 
 #include <cmath>
 

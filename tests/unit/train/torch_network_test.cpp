@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "core/network/attention_lstm.hpp"
-#include "made_up.hpp"
+#include "tests/unit/train/made_up.hpp"
 #include "tools/train/linear_path.hpp"
 #include "tools/train/split.hpp"
 

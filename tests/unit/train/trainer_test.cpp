@@ -6,8 +6,8 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
-#include "made_up.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tests/unit/train/made_up.hpp"
 
 using namespace patella;
 using namespace patella::train;

@@ -1,7 +1,6 @@
 // patella-bench-chain: what the terms of a serial chain cost, beside Orocos KDL.
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <filesystem>
 #include <random>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tools/bench/chain/kdl_peer.hpp"
 #include "tools/bench/chain/robots.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -128,12 +128,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "of the states")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     const double clock_ns = costOfClock_ns();
     fmt::print(
         "seed {}, {} rounds of {} evaluations each; a reading of the clock, {:.0f} ns, is taken off\n\n",
@@ -144,9 +139,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     for (const bench::Robot& robot : bench::robots()) {
       compare(robot, arguments, clock_ns);
     }
-    return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "patella-bench-chain: {}\n", error.what());
-    return 1;
-  }
+  });
 }

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,7 @@
 #include "tools/bench/diagnose/summary.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -223,6 +225,45 @@ void runAll(const Options& options) {
   }
 }
 
+// What the parser does not know: which options belong together.
+void understand(Options& options) {
+  if (options.suite == "chain" && options.wish.mechanism.empty()) {
+    options.wish.mechanism = "chain";
+  }
+  if (options.wish.joints != 0 && options.wish.mechanism.find("chain") == std::string::npos) {
+    throw std::invalid_argument(
+        "--joints: belongs to chains: --suite chain, --mechanism chain or planar_chain");
+  }
+  const bool measured = options.suite == "planted" || options.suite == "conventions";
+  if (measured == options.data.empty()) {
+    throw std::invalid_argument("--data: belongs to the suites planted and conventions, which need it");
+  }
+  if (options.recordings && options.out.empty()) {
+    throw std::invalid_argument("--recordings: needs --out");
+  }
+}
+
+void runSuite(const Options& options) {
+  if (options.suite == "planted") {
+    std::cout << runPlanted({.data = options.data,
+                             .source = PATELLA_SOURCE_DIR,
+                             .out = options.out,
+                             .cases = options.cases,
+                             .first = options.first,
+                             .seed = options.seed,
+                             .threads = options.threads});
+  } else if (options.suite == "conventions") {
+    std::cout << runConventions({.data = options.data,
+                                 .source = PATELLA_SOURCE_DIR,
+                                 .out = options.out,
+                                 .cases = options.cases,
+                                 .seed = options.seed,
+                                 .judge_only = options.draw_only});
+  } else {
+    runAll(options);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
@@ -262,47 +303,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
   app.add_flag("--draw-only", options.draw_only,
                "diagnose nothing; of the suite conventions, judge the columns only");
-  try {
-    app.parse(argc, argv);
-    if (options.suite == "chain" && options.wish.mechanism.empty()) {
-      options.wish.mechanism = "chain";
-    }
-    if (options.wish.joints != 0 && options.wish.mechanism.find("chain") == std::string::npos) {
-      throw CLI::ValidationError("--joints",
-                                 "belongs to chains: --suite chain, --mechanism chain or planar_chain");
-    }
-    const bool measured = options.suite == "planted" || options.suite == "conventions";
-    if (measured == options.data.empty()) {
-      throw CLI::ValidationError("--data", "belongs to the suites planted and conventions, which need it");
-    }
-    if (options.recordings && options.out.empty()) {
-      throw CLI::ValidationError("--recordings", "needs --out");
-    }
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
-    if (options.suite == "planted") {
-      std::cout << runPlanted({.data = options.data,
-                               .source = PATELLA_SOURCE_DIR,
-                               .out = options.out,
-                               .cases = options.cases,
-                               .first = options.first,
-                               .seed = options.seed,
-                               .threads = options.threads});
-    } else if (options.suite == "conventions") {
-      std::cout << runConventions({.data = options.data,
-                                   .source = PATELLA_SOURCE_DIR,
-                                   .out = options.out,
-                                   .cases = options.cases,
-                                   .seed = options.seed,
-                                   .judge_only = options.draw_only});
-    } else {
-      runAll(options);
-    }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-bench-diagnose: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return patella::options::runProgram(app, argc, argv, [&] {
+    understand(options);
+    runSuite(options);
+  });
 }

@@ -1,6 +1,5 @@
 // patella-bench-faults: does anything that goes wrong hurt the patient?
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "firmware_app/configuration/run_config.hpp"
 #include "tools/bench/faults/campaign.hpp"
 #include "tools/bench/faults/table.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -35,21 +35,15 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--runs", options.runs, "runs")->capture_default_str()->check(CLI::Range(1, 1'000'000));
   app.add_option("--seed", seed, "of the first run, the next has the next; chosen at random when not given");
   app.add_option("--jobs", options.jobs, "threads")->capture_default_str()->check(CLI::Range(1, 256));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  bool sound = true;
+  const int status = patella::options::runProgram(app, argc, argv, [&] {
     line.backend = "sim";
     const app::RunConfig base = app::loadRunConfig(line);
     options.seed = seed.value_or(std::random_device{}());
     std::cout << "seed " << options.seed << std::endl;
     const auto results = bench::runCampaign(base, options);
     std::cout << bench::report(results);
-    return bench::judge(results).sound() ? 0 : 2;
-  } catch (const std::exception& error) {
-    std::cerr << "patella-bench-faults: " << error.what() << "\n";
-    return 1;
-  }
+    sound = bench::judge(results).sound();
+  });
+  return sound ? status : 2;
 }

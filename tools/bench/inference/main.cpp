@@ -1,6 +1,5 @@
 // patella-bench-inference: what a step of the network costs, and what it costs others.
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "core/network/attention_lstm.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "tools/bench/inference/measurement.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -190,8 +190,11 @@ void printInt16Errors(const std::vector<std::string>& files) {
   }
 }
 
-int runFromCommandLine(int argc, char** argv) {
-  CLI::App app("Times a step of the network against the memory it reads and against peers, taking turns.");
+}  // namespace
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
+  CLI::App app("Times a step of the network against the memory it reads and against peers, taking turns.",
+               "patella-bench-inference");
   MeasurementOptions options;
   std::vector<std::string> weights;
   app.add_option("--weights", weights, "trained networks: prints what 16 bits cost each, and times nothing")
@@ -200,26 +203,11 @@ int runFromCommandLine(int argc, char** argv) {
   app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")->check(CLI::Range(1, 10000));
   app.add_option("--eviction-MB", options.eviction_MB, "memory written to empty the caches")
       ->check(CLI::Range(1, 4096));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  if (weights.empty()) {
-    run(options);
-  } else {
-    printInt16Errors(weights);
-  }
-  return 0;
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  try {
-    return runFromCommandLine(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "patella-bench-inference: %s\n", error.what());
-    return 1;
-  }
+  return patella::options::runProgram(app, argc, argv, [&] {
+    if (weights.empty()) {
+      run(options);
+    } else {
+      printInt16Errors(weights);
+    }
+  });
 }

@@ -2,7 +2,6 @@
 // the same priority.
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -21,6 +20,7 @@
 #include "firmware_app/files/json_file.hpp"
 #include "tools/bench/jitter/output.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/process/process.hpp"
 
 namespace {
@@ -181,12 +181,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
   app.add_option("--out", arguments.out, "folder for jitter.csv, jitter.png and what the programs print")
       ->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     if (!arguments.together.empty() && arguments.together[0] == arguments.together[1]) {
       throw std::invalid_argument(
           fmt::format("--together: {0},{0}, expected two different processors", arguments.together[0]));
@@ -199,9 +194,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     fmt::print("{}", table(comparisons));
     writeCsv(comparisons, arguments.out / "jitter.csv");
     draw(comparisons, arguments.out / "jitter.png");
-    return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "patella-bench-jitter: {}\n", error.what());
-    return 1;
-  }
+  });
 }

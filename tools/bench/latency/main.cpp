@@ -1,6 +1,6 @@
 // patella-bench-latency: sensor frame to torque frame, watched on the bus or read from a log.
-#include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,6 +13,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/bench/latency/frame_latency.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -91,12 +92,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(options::numberFrom(0.1, 86400.0))
       ->capture_default_str();
   app.add_option("--csv", arguments.csv, "file for the distribution");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     FrameLatency latency(app::loadBusDescription(arguments.map));
     constexpr std::string_view kInterface = "can:";
     if (arguments.source.starts_with(kInterface)) {
@@ -105,9 +101,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       readLog(arguments.source, latency);
     }
     report(latency, arguments.csv);
-    return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "patella-bench-latency: {}\n", error.what());
-    return 1;
-  }
+  });
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <iostream>
 #include <map>
 #include <mutex>
@@ -15,6 +14,7 @@
 #include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/plan/comparison.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -94,8 +94,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
          "relative, by which the model's parameters may be wrong; 1: hardly anything is known of them")
       ->check(patella::options::numberFrom(1e-4, 1.0))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     std::vector<Comparison> all(options.machines);
     std::mutex mutex;
     std::size_t done = 0;
@@ -106,9 +105,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
                    all[i].factor());
     });
     print(all);
-  } catch (const std::exception& error) {
-    std::cerr << "patella-bench-plan: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,5 +1,4 @@
 // patella-bench-tick: what a tick of the loop costs, by stage.
-#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 
 #include "tools/bench/tick/table.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -143,16 +143,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--priority", arguments.pace.priority, "with --real-time: SCHED_FIFO, 0: none")
       ->check(CLI::Range(0, 99))
       ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
-    run(arguments);
-    return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "patella-bench-tick: {}\n", error.what());
-    return 1;
-  }
+  return patella::options::runProgram(app, argc, argv, [&] { run(arguments); });
 }

@@ -1,11 +1,12 @@
 // patella-study-learning: what a network adds to the best observer.
-#include <exception>
 #include <iostream>
+#include <stdexcept>
 
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/model_file.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/recordings/recording_file.hpp"
 #include "tools/studies/learning/leg_study.hpp"
 #include "tools/studies/learning/pendulum_study.hpp"
@@ -166,21 +167,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   declare(pendulum_command, pendulum);
   CLI::App& leg_command = *app.add_subcommand("legs", kLegs);
   declare(leg_command, legs);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     if (pendulum_command.parsed()) {
       runPendulum(pendulum);
     } else {
       understand(legs);
       std::cout << table(legStudy(legs.options, tell));
     }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-study-learning: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

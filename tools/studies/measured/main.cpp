@@ -1,8 +1,6 @@
 // patella-study-measured: figures that other people's recordings are known by.
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <iostream>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "firmware_app/files/model_file.hpp"
 #include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/recordings/recording_file.hpp"
 #include "tools/studies/measured/emps_error.hpp"
 
@@ -96,20 +95,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
           "held: the force acts until the next sample; sampled: at its own instant, as the benchmark counts "
           "it; as the map says unless given")
       ->check(CLI::IsMember({"held", "sampled"}));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     if (errors.parsed()) {
       printErrors(arguments);
     } else {
       printTiming(arguments);
     }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-study-measured: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

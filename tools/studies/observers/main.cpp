@@ -1,6 +1,5 @@
 // patella-study-observers: every observer of core/estimation at the same noise, in the paper's two
 // experiments.
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -8,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/studies/observers/study.hpp"
 
 namespace {
@@ -48,16 +48,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(CLI::Range(1, 20));
   app.add_option("--jobs", options.jobs, "threads")->capture_default_str()->check(CLI::Range(1, 64));
   app.add_option("--out", out, "folder for observers.csv and observers.png");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  if (!noise.empty()) {
-    std::erase_if(options.conditions,
-                  [&](const Condition& condition) { return noiseName(condition.noise) != noise; });
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
+    if (!noise.empty()) {
+      std::erase_if(options.conditions,
+                    [&](const Condition& condition) { return noiseName(condition.noise) != noise; });
+    }
     if (!out.empty()) {
       std::filesystem::create_directories(out);
     }
@@ -67,9 +62,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       writeCsv(results, std::filesystem::path(out) / "observers.csv");
       draw(results, std::filesystem::path(out) / "observers.png");
     }
-  } catch (const std::exception& error) {
-    std::cerr << "patella-study-observers: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

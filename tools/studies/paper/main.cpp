@@ -1,13 +1,13 @@
 // patella-study-paper: the experiments of the paper's Section 5, its figures and its Table 1.
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 #include "tools/studies/paper/paper_figures.hpp"
 #include "tools/studies/paper/paper_study.hpp"
 #include "tools/studies/paper/paper_tables.hpp"
@@ -157,17 +157,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   CLI::App app(kDescription, "patella-study-paper");
   declareStudy(app, arguments);
   declareTraining(app, arguments.options.training);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return patella::options::runProgram(app, argc, argv, [&] {
     understand(arguments);
     run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "patella-study-paper: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,7 +1,6 @@
 // patella-study-recordings: people's EMG and a real arm's motion through the whole loop, against what was
 // measured with them.
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/options/run_program.hpp"
 #include "tools/studies/recordings/emg_study.hpp"
 #include "tools/studies/recordings/pendulum_study.hpp"
 #include "tools/studies/recordings/tables.hpp"
@@ -55,16 +55,5 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--project", folders.project, "checkout with configurations and maps")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
-    bench(folders);
-  } catch (const std::exception& error) {
-    std::cerr << "patella-study-recordings: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return patella::options::runProgram(app, argc, argv, [&] { bench(folders); });
 }

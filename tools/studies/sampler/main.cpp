@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,6 +20,7 @@
 #include "core/signal/butterworth.hpp"
 #include "sim/paper_experiment.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/run_program.hpp"
 
 namespace {
 
@@ -188,28 +189,22 @@ void report(std::ostream& out, const Options& options) {
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   Options options;
-  CLI::App app{"Accuracy of the finite-time sampler in the paper's experiments"};
+  CLI::App app("Accuracy of the finite-time sampler in the paper's experiments", "patella-study-sampler");
   app.add_option("--seconds", options.seconds, "length of each experiment, s")
       ->capture_default_str()
       ->check(patella::options::numberFrom(2.0, 1000.0));
   app.add_option("--seed", options.seed, "of torque and noise")->capture_default_str();
   app.add_option("--out", options.out, "write the tables to this file (Markdown) instead of the terminal");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-
-  if (options.out.empty()) {
-    report(std::cout, options);
-    return EXIT_SUCCESS;
-  }
-  std::ofstream file(options.out);
-  report(file, options);
-  file.close();
-  if (!file) {
-    std::cerr << "patella-study-sampler: cannot write " << options.out << '\n';
-    return EXIT_FAILURE;
-  }
-  return EXIT_SUCCESS;
+  return patella::options::runProgram(app, argc, argv, [&] {
+    if (options.out.empty()) {
+      report(std::cout, options);
+      return;
+    }
+    std::ofstream file(options.out);
+    report(file, options);
+    file.close();
+    if (!file) {
+      throw std::runtime_error("cannot write " + options.out);
+    }
+  });
 }
