@@ -75,6 +75,16 @@ TEST_CASE("damping far from what the model declares is found, though the declare
   CHECK(damping.parameters.front().ci95[1] > kDeclared_Nms_rad + kMissing_Nms_rad);
 }
 
+TEST_CASE("damping is asserted for all that the declared one cannot be within its tolerance") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(7432000023, Suite::kDouble));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  const auto damping = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                    [](const auto& effect) { return effect.kind == "viscous_friction"; });
+  REQUIRE(damping != diagnosis.effects.end());
+  CHECK(damping->asserted());
+  CHECK(damping->replaces == std::vector<std::string>{"viscous_friction"});
+}
+
 TEST_CASE("tissue is found where the motion reaches one end of its range only") {
   const diagnose::Diagnosis diagnosis = diagnosed(multisine(7601000007, Suite::kSingle));
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
@@ -85,6 +95,19 @@ TEST_CASE("tissue is found where the motion reaches one end of its range only") 
   const auto& others = effect.indistinguishable_from;
   CHECK((effect.kind == "passive_knee_moment" ||
          std::find(others.begin(), others.end(), "passive_knee_moment") != others.end()));
+}
+
+TEST_CASE("tissue is found though none of its logarithms is known well, as its torque is") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(7391000047, Suite::kSingle));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  const diagnose::EffectFinding& tissue = diagnosis.effects.front();
+  CHECK(tissue.kind == "passive_knee_moment");
+  const auto logarithm = std::find_if(tissue.parameters.begin(), tissue.parameters.end(),
+                                      [](const auto& estimate) { return estimate.name == "flexion_log_Nm"; });
+  REQUIRE(logarithm != tissue.parameters.end());
+  CHECK(logarithm->ci95[1] - logarithm->ci95[0] > 2.0);
+  CHECK(tissue.torque_error.value() < 0.5);
 }
 
 TEST_CASE("a peak of friction close to rest is found") {

@@ -51,6 +51,13 @@ TEST_CASE("labels of effects and sums") {
   CHECK(effectWords("nominal I2 + m2 lc2²") == "nominal I2  +  m2 lc2²");
 }
 
+TEST_CASE("an effect whose parameters are logarithms says how well its torque is known") {
+  EffectFinding finding;
+  CHECK(torqueErrorText(finding).empty());
+  finding.torque_error = 0.4249;
+  CHECK(torqueErrorText(finding) == ", its torque within 42 %");
+}
+
 TEST_CASE("an estimate shows as many digits as its interval supports") {
   CHECK(valueWithInterval(1.48321, {1.42144, 1.54398}) == "1.48 [1.42, 1.54]");
   CHECK(valueWithInterval(4.0213, {3.911, 4.1316}) == "4.02 [3.91, 4.13]");

@@ -151,6 +151,17 @@ TEST_CASE("a declared effect that vanished is named with what takes its place") 
   CHECK(gone[0].words == "the declared torque bias on joint 1 vanished");
 }
 
+TEST_CASE("where strengths are logarithms, their torque says whether the strength is known") {
+  EffectFinding tissue;
+  tissue.kind = "passive_knee_moment";
+  tissue.parameters = {{.name = "flexion_log_Nm", .value = -7.0, .ci95 = {-13.0, -1.0}},
+                       {.name = "extension_log_Nm", .value = 1.4, .ci95 = {-0.3, 3.1}}};
+  tissue.torque_error = 0.42;
+  CHECK_FALSE(strengthIsUnknown(tissue));
+  tissue.torque_error = 1.37;
+  CHECK(strengthIsUnknown(tissue));
+}
+
 TEST_CASE("a reflex whose delay stands where the search ends may be another effect of the velocity") {
   EffectFinding reflex;
   reflex.kind = "spasticity";

@@ -32,6 +32,7 @@ Json describeEffect(const EffectFinding& effect) {
           {"joint", effect.joint + 1},
           {"parameters", parameters},
           {"ci95", intervals},
+          {"torque_error", effect.torque_error ? Json(*effect.torque_error) : Json()},
           {"p_value", effect.p_value},
           {"gain_nats", effect.gain},
           {"indistinguishable_from", effect.indistinguishable_from},

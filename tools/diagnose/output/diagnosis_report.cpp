@@ -81,7 +81,8 @@ std::string verdictText(const Diagnosis& diagnosis) {
       text += (i == 0 ? ": " : ", ") + escaped(estimateText(estimate, unitsOf(diagnosis, effect.joint))) +
               mark(diagnosis, fmt::format("{}@{} {}", effect.kind, effect.joint + 1, estimate.name));
     }
-    text += fmt::format(" <span class=\"note\">p = {:.2g}, {:.4g} nats</span>", effect.p_value, effect.gain);
+    text += escaped(torqueErrorText(effect)) +
+            fmt::format(" <span class=\"note\">p = {:.2g}, {:.4g} nats</span>", effect.p_value, effect.gain);
     if (!effect.indistinguishable_from.empty()) {
       text += "<br>cannot be told from: " + escaped(joinedWords(effect.indistinguishable_from));
     }

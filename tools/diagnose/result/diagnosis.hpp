@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,6 +61,9 @@ struct EffectFinding {
   std::string kind;
   int joint = 0;  ///< from 0
   std::vector<ParameterEstimate> parameters;
+  /// Half the 95 % interval of the torque of its strengths over that torque, where the parameters are their
+  /// logarithms; 1 and more: it may be none.
+  std::optional<double> torque_error{};
   double p_value = 1.0;  ///< family-wise, from the parametric bootstrap
   double gain = 0.0;     ///< log-likelihood that is lost without it, nats
   /// Kinds, or sums "kind+kind", that the recording cannot tell from this one; with "@2" where on another

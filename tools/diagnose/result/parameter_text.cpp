@@ -124,6 +124,11 @@ std::string estimateText(const ParameterEstimate& estimate, const Units& units) 
          (name.unit.empty() ? "" : " " + name.unit);
 }
 
+std::string torqueErrorText(const EffectFinding& effect) {
+  return effect.torque_error ? fmt::format(", its torque within {:.2g} %", kPercent * *effect.torque_error)
+                             : std::string();
+}
+
 std::string shortNumber(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g}", value) : "–";
 }

@@ -34,9 +34,9 @@ ParameterName splitName(std::string_view name, const Units& units = {});
 std::string effectWords(std::string_view label);
 std::string effectWords(const EffectFinding& effect);
 
-/// A fitted parameter's name: "coulomb_friction@1 level_Nm" as "coulomb friction on joint 1: level",
 inline constexpr double kPercent = 100.0;
 
+/// A fitted parameter's name: "coulomb_friction@1 level_Nm" as "coulomb friction on joint 1: level",
 /// "mass_kg[2]" as "mass [2]".
 std::string parameterWords(std::string_view name, const Units& units = {});
 
@@ -44,6 +44,8 @@ std::string parameterWords(std::string_view name, const Units& units = {});
 std::string valueWithInterval(double value, const std::array<double, 2>& interval);
 /// "level 1.52 [1.44, 1.60] N·m"
 std::string estimateText(const ParameterEstimate& estimate, const Units& units = {});
+/// ", its torque within 42 %", behind the parameters; empty where these tell how large it is.
+std::string torqueErrorText(const EffectFinding& effect);
 /// Three significant digits; "–" for what is not a number.
 std::string shortNumber(double value);
 /// The same of one joint, and "–" where there is none of it.

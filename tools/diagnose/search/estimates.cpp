@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/model/effect.hpp"
+#include "tools/diagnose/effects/declared.hpp"
 #include "tools/diagnose/effects/recipe_names.hpp"
 #include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/search/gates.hpp"
@@ -99,6 +100,37 @@ Eigen::MatrixXd withBumps(Eigen::MatrixXd covariance, const ModelFit& fit) {
     }
   }
   return covariance;
+}
+
+std::optional<double> torqueErrorOfLogStrengths(const ModelFit& fit, const Eigen::MatrixXd& covariance,
+                                                std::size_t index) {
+  const Term& term = fit.terms[index];
+  std::vector<Eigen::Index> places, others;
+  std::vector<double> strengths;
+  for (std::size_t i = 0; i < term.c.size(); ++i) {
+    const bool counts = isLogStrength(term.recipe->kind, coefficientName(*term.recipe, term.nu, i));
+    (counts ? places : others).push_back(fit.offset[index] + static_cast<Eigen::Index>(i));
+    if (counts) {
+      strengths.push_back(term.c[i]);
+    }
+  }
+  if (places.empty()) {
+    return std::nullopt;
+  }
+  for (std::size_t k = 0; k < term.nu.size(); ++k) {
+    places.push_back(fit.offset[index] + static_cast<Eigen::Index>(term.c.size() + k));
+  }
+  Eigen::MatrixXd slopes = fit.tangent(Eigen::all, places);
+  if (!others.empty()) {
+    // What the other coefficients can make, as a constant torque, is not the strengths'.
+    const Eigen::MatrixXd besides = fit.tangent(Eigen::all, others);
+    slopes -= besides * besides.householderQr().solve(slopes).eval();
+  }
+  const auto count = static_cast<Eigen::Index>(strengths.size());
+  const Column torque = slopes.leftCols(count) * Eigen::Map<const Eigen::VectorXd>(strengths.data(), count);
+  const Eigen::MatrixXd known = withBumps(covariance, fit)(places, places);
+  const double variance = known.cwiseProduct(gramOf(slopes)).sum();
+  return kDeviations95 * std::sqrt(std::max(variance, 0.0) / torque.squaredNorm());
 }
 
 std::vector<ParameterEstimate> estimates(const ModelFit& fit, const Eigen::MatrixXd& all_covariance,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,12 @@ Eigen::MatrixXd withBumps(Eigen::MatrixXd covariance, const ModelFit& fit);
 /// Derivatives of an effect's parameters (rows, in the order of its descriptor) by c and ν of its term. The
 /// covariance says how far a step may go.
 Eigen::MatrixXd parameterSlopes(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t term);
+
+/// Half the 95 % interval of a torque over that torque, as rms values: of what the strengths of a term make
+/// together whose logarithms are its parameters. Each of them may be unknown where slopes make up for it, and
+/// the torque be known. Nothing for a term without such strengths.
+std::optional<double> torqueErrorOfLogStrengths(const ModelFit& fit, const Eigen::MatrixXd& covariance,
+                                                std::size_t term);
 
 /// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance, to
 /// their logarithms where they are known up to factors. What a rugged objective depends on is not known

@@ -26,6 +26,21 @@ Joints leftBy(ModelFitter& fitter, const ModelFit& fit) {
   return joints;
 }
 
+// A declared effect that comes back in a term's place stretches as far as the data ask. What it cannot
+// explain within its tolerance is what the term does.
+ModelFit withinTolerance(ModelFit fit, const std::vector<Term>& came_back, double tolerance) {
+  const double most = runaway::kWithinTolerance * tolerance;
+  for (Term& term : fit.terms) {
+    if (std::any_of(came_back.begin(), came_back.end(),
+                    [&](const Term& back) { return term.declared && back.recipe == term.recipe; })) {
+      for (std::size_t i = 0; i < term.c.size(); ++i) {
+        term.c[i] = std::clamp(term.c[i], term.prior_c[i] - most, term.prior_c[i] + most);
+      }
+    }
+  }
+  return fit;
+}
+
 double mostOverRest(const Joints& with, const Joints& without, std::span<const double> noise_Nm) {
   double most = 0.0;
   for (std::size_t joint = 0; joint < with.square_Nm2.size(); ++joint) {
@@ -64,7 +79,9 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
         continue;
       }
       Selection smaller = withoutTerm(fitter, selection, t);
-      const double over = mostOverRest(with, leftBy(fitter, smaller.fit), noise_Nm);
+      const ModelFit without =
+          withinTolerance(smaller.fit, selection.fit.terms[t].replaced, fitter.options().declared_tolerance);
+      const double over = mostOverRest(with, leftBy(fitter, without), noise_Nm);
       if (over < least) {
         least = over;
         best = std::move(smaller);

@@ -15,8 +15,9 @@ double overRest(ModelFitter& fitter, const ModelFit& with, const ModelFit& witho
                 std::span<const double> noise_Nm);
 
 /// Recipes of the found terms that explain less by themselves than asserted::kOverRest of what nothing
-/// explains, beside those that explain more: such a term may be a part of something else. Parts of a free
-/// function (freeFunctions()) are none.
+/// explains, beside those that explain more: such a term may be a part of something else. What a declared
+/// effect in whose place it stands explains within its tolerance is not the term's. Parts of a free function
+/// (freeFunctions()) are none.
 std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selection,
                                             std::span<const double> noise_Nm);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/recipe.hpp"
+#include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -151,6 +152,21 @@ EffectFinding findingOf(const std::string& kind, int joint, std::vector<Paramete
         rival.ends_with(own_joint) ? rival.substr(0, rival.size() - own_joint.size()) : rival);
   }
   addConfounds(finding, joints);
+  return finding;
+}
+
+EffectFinding findingOf(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t index,
+                        const Evidence& evidence, int joints) {
+  const Term& term = fit.terms[index];
+  std::vector<std::string> replaces;
+  for (const Term& replaced : term.replaced) {
+    replaces.push_back(replaced.recipe->kind);
+  }
+  EffectFinding finding = findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, index),
+                                    evidence, joints, std::move(replaces));
+  if (const std::optional<double> error = torqueErrorOfLogStrengths(fit, covariance, index)) {
+    finding.torque_error = asserted::kShapeAllowance * *error;
+  }
   return finding;
 }
 

@@ -20,6 +20,10 @@ inline constexpr const char* kOutweighedWords = "it explains less than what noth
 EffectFinding findingOf(const std::string& kind, int joint, std::vector<ParameterEstimate> parameters,
                         const Evidence& evidence, int joints, std::vector<std::string> replaces = {});
 
+/// The same of a found term, with its estimates by the covariance.
+EffectFinding findingOf(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t term,
+                        const Evidence& evidence, int joints);
+
 /// Adds what cannot be told apart because of what was found together: a spring that rests elsewhere takes up
 /// what two levels of friction differ by.
 void addConfoundsBetween(std::vector<EffectFinding>& findings);

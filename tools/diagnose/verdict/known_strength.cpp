@@ -57,8 +57,7 @@ class Strengths {
     for (std::size_t t = 0; t < fit.terms.size(); ++t) {
       const Term& term = fit.terms[t];
       if (!term.declared &&
-          strengthIsUnknown(findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, t),
-                                      selection.evidence[t], data.joints()))) {
+          strengthIsUnknown(findingOf(fit, covariance, t, selection.evidence[t], data.joints()))) {
         unknown.push_back(t);
       }
     }

@@ -28,12 +28,7 @@ void addSelected(const MissingEffects& found, const Eigen::MatrixXd& covariance,
     if (term.declared) {
       continue;
     }
-    std::vector<std::string> replaces;
-    for (const Term& replaced : term.replaced) {
-      replaces.push_back(replaced.recipe->kind);
-    }
-    effects.push_back(findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, t),
-                                found.selection.evidence[t], joints, std::move(replaces)));
+    effects.push_back(findingOf(fit, covariance, t, found.selection.evidence[t], joints));
     if (std::find(found.outweighed.begin(), found.outweighed.end(), term.recipe.get()) !=
         found.outweighed.end()) {
       effects.back().not_asserted_because = kOutweighedWords;

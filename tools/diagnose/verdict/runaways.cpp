@@ -196,19 +196,18 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
 }  // namespace
 
 bool strengthIsUnknown(const EffectFinding& effect) {
+  if (effect.torque_error) {
+    return *effect.torque_error >= 1.0;
+  }
   const auto tellsStrength = [&](const ParameterEstimate& estimate) {
-    return isStrength(effect.kind, estimate.name) || isLogStrength(effect.kind, estimate.name);
+    return isStrength(effect.kind, estimate.name);
   };
   const bool has_strengths = std::any_of(effect.parameters.begin(), effect.parameters.end(), tellsStrength);
   for (const ParameterEstimate& estimate : effect.parameters) {
     // An effect without a strength is as large as its first parameter says.
     const bool counts = has_strengths ? tellsStrength(estimate) : &estimate == &effect.parameters.front();
     const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);
-    // To first order a strength is off by itself times what its logarithm is off by: by all of itself from 1
-    // on.
-    const double half = 0.5 * (estimate.ci95[1] - estimate.ci95[0]);
-    const bool may_be_none = isLogStrength(effect.kind, estimate.name) ? half > 1.0 : stands.holds_zero;
-    if (counts && !stands.anything && !stands.at_low && !stands.at_high && !may_be_none) {
+    if (counts && !stands.anything && !stands.at_low && !stands.at_high && !stands.holds_zero) {
       return false;
     }
   }
