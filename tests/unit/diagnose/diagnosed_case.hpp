@@ -10,9 +10,10 @@
 
 namespace patella::bench {
 
-inline diagnose::Diagnosis diagnosed(const Case& drawn) {
+inline diagnose::Diagnosis diagnosed(const Case& drawn, std::uint64_t seed = 1) {
   const std::array recordings{drawn.run.recording};
   diagnose::DiagnoseOptions options;
+  options.seed = seed;
   options.person_Nm.assign(drawn.rig.human_Nm.begin(), drawn.rig.human_Nm.begin() + drawn.nominal.joints());
   return diagnose::diagnose(recordings, {}, drawn.nominal, options);
 }

@@ -15,15 +15,17 @@ using namespace patella::bench;
 
 namespace {
 
-// Of two effects one is found as dry friction on the first joint, which may be the one that is named.
-void checkDryFrictionOr(const std::string& rival, std::uint64_t seed) {
-  const diagnose::Diagnosis diagnosis = diagnosed(multisine(seed, Suite::kDouble));
+// Of two effects one is found as dry friction on this joint, which may be the one that is named.
+void checkDryFrictionOr(const std::string& rival, std::uint64_t seed, int joint = 0) {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(seed, Suite::kDouble), seed);
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
-  const auto friction = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
-                                     [](const auto& effect) { return effect.joint == 0; });
+  const auto friction = std::find_if(
+      diagnosis.effects.begin(), diagnosis.effects.end(),
+      [joint](const auto& effect) { return effect.joint == joint && effect.kind == "coulomb_friction"; });
   REQUIRE(friction != diagnosis.effects.end());
-  CHECK(friction->kind == "coulomb_friction");
-  CHECK(friction->indistinguishable_from == std::vector<std::string>{rival});
+  CAPTURE(seed);
+  REQUIRE(friction->indistinguishable_from.size() == 1);
+  CHECK(friction->indistinguishable_from.front() == rival);
 }
 
 }  // namespace
@@ -158,4 +160,6 @@ TEST_CASE("a spring is named beside an encoder's offset that tilts gravity as mu
 
 TEST_CASE("a peak of friction too weak to be found is named as a possibility") {
   checkDryFrictionOr("stribeck_friction", 7401000096);
+  // Found here, and given up since nobody would miss it.
+  checkDryFrictionOr("stribeck_friction", 7433000002, 1);
 }

@@ -81,8 +81,8 @@ class Restatement {
   }
 
   // Puts a special case in the place of what contains it, where the rest is not worth its parameters, or
-  // where nobody would miss it: an early step did not know yet what the later ones found. False where all is
-  // as simple as it can be.
+  // where nobody would miss it: an early step did not know yet what the later ones found. What nobody would
+  // miss, but has the evidence, is named as a possibility. False where all is as simple as it can be.
   bool simplify() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       const Term& term = selection_.fit.terms[t];
@@ -95,14 +95,21 @@ class Restatement {
       if (rest.at_edge.empty()) {
         best = rest;
       }
+      bool special = false;
       eachSpecialCase(t, rest, [&](ModelFit simple) {
         if (!best || worth(simple) < worth(*best)) {
           best = std::move(simple);
+          special = true;
         }
       });
       if (best && (worth(*best) < worth(selection_.fit) + simpler::kAsGood * unit_ ||
                    isOutOfRange(t, *best, rest) || !isMissed(*best))) {
+        const std::string wider = term.recipe->label();
+        const bool has_evidence = worth(*best) > worth(selection_.fit) && selection_.fit.at_edge.empty();
         take(std::move(*best), selection_.evidence[t].p_value);
+        if (special && has_evidence) {
+          selection_.evidence.back().rivals = {wider};
+        }
         return true;
       }
     }
