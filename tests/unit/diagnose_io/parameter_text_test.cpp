@@ -56,6 +56,8 @@ TEST_CASE("an effect whose parameters are logarithms says how well its torque is
   CHECK(torqueErrorText(finding).empty());
   finding.torque_error = 0.4249;
   CHECK(torqueErrorText(finding) == ", its torque within 42 %");
+  finding.torque_error = 1.2;
+  CHECK(torqueErrorText(finding).empty());
 }
 
 TEST_CASE("an estimate shows as many digits as its interval supports") {

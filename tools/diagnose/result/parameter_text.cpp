@@ -125,8 +125,9 @@ std::string estimateText(const ParameterEstimate& estimate, const Units& units) 
 }
 
 std::string torqueErrorText(const EffectFinding& effect) {
-  return effect.torque_error ? fmt::format(", its torque within {:.2g} %", kPercent * *effect.torque_error)
-                             : std::string();
+  const bool is_known = effect.torque_error && *effect.torque_error < 1.0;
+  return is_known ? fmt::format(", its torque within {:.2g} %", kPercent * *effect.torque_error)
+                  : std::string();
 }
 
 std::string shortNumber(double value) {

@@ -44,7 +44,8 @@ std::string parameterWords(std::string_view name, const Units& units = {});
 std::string valueWithInterval(double value, const std::array<double, 2>& interval);
 /// "level 1.52 [1.44, 1.60] N·m"
 std::string estimateText(const ParameterEstimate& estimate, const Units& units = {});
-/// ", its torque within 42 %", behind the parameters; empty where these tell how large it is.
+/// ", its torque within 42 %", behind the parameters; empty where these tell how large it is, or it may be
+/// none.
 std::string torqueErrorText(const EffectFinding& effect);
 /// Three significant digits; "–" for what is not a number.
 std::string shortNumber(double value);
