@@ -71,8 +71,10 @@ inline constexpr double kLargestGear = 250.0;
 inline constexpr double kLeastZero_rad = 0.15;
 /// Zeros this near to each other have the same name.
 inline constexpr double kSameZero_rad = 0.15;
-/// A drive is less late: that is an effect.
+/// Samples and filters shift a column by less.
 inline constexpr double kLeastShift_s = 0.015;
+/// Drives act within this time. A torque that comes early by less is a late drive's, which is an effect.
+inline constexpr double kSlowDrive_s = 0.03;
 /// Columns that are farther apart are of two recordings.
 inline constexpr double kFarthestShift_s = 0.25;
 /// Two turns: most joints end before.

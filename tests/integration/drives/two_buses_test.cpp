@@ -13,6 +13,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tests/integration/drives/drive_rig.hpp"
+#include "tests/support/sanitized.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -87,7 +88,7 @@ void checkStopped(const FaultRun& faulty, Fault fault, std::uint8_t bus) {
 }  // namespace
 
 TEST_CASE("a drive on each of two buses: the motion of one bus, no frame lost, no heap") {
-  constexpr double kRun_s = 10.0;
+  constexpr double kRun_s = unlessSanitized(10.0, 3.0);
   const ScratchFolder one_folder;
   const DriveRun one = runDrives(driveConfiguration(Drives::kCia402, kRun_s, one_folder));
   const ScratchFolder folder;

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/paths.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tools/bench/faults/campaign.hpp"
 #include "tools/bench/faults/expectation.hpp"
 #include "tools/bench/faults/scenario.hpp"
@@ -106,7 +107,7 @@ TEST_CASE("samples that another fault takes by chance put off the stop that the 
   flips.channel = static_cast<int>(sim::FrameChannel::kEmg);
   CHECK(bench::owedStop_s({jump, flips}, 0, 1.2, config).value() == alone_s);
   flips.channel = FaultEvent::kAll;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < test::unlessSanitized(40U, 8U); ++seed) {
     CAPTURE(seed);
     checkSound(trial({flips, jump}, seed));
   }

@@ -405,8 +405,9 @@ void load(FileKind kind, const std::string& text, const std::filesystem::path& f
   switch (kind) {
     case FileKind::kRun: {
       app::writeFile(path, text);
-      app::saveModel({.mechanism = RandomChains(1).draw(kMaxJoints), .effects = {}},
-                     folder / "eight_joints.toml");
+      if (const auto model = folder / "eight_joints.toml"; !std::filesystem::exists(model)) {
+        app::saveModel({.mechanism = RandomChains(1).draw(kMaxJoints), .effects = {}}, model);
+      }
       app::CommandLine line;
       line.config = path;
       app::loadRunConfig(line);

@@ -73,9 +73,17 @@ toml::table* holderOf(toml::table& root, const Bound& bound) {
   return holderOf(root, bound.name.substr(0, bracket));
 }
 
+/// What stands in a carrier, to be changed.
+toml::table parsed(const Carrier& carrier) {
+  static std::map<const Carrier*, toml::table> roots;
+  const auto found = roots.find(&carrier);
+  return found != roots.end() ? found->second
+                              : roots.emplace(&carrier, toml::parse(carrier.text)).first->second;
+}
+
 /// The carrier's text with another value, or empty where it does not hold the row's key.
 std::string changed(const Carrier& carrier, const Bound& bound, double value) {
-  toml::table root = toml::parse(carrier.text);
+  toml::table root = parsed(carrier);
   toml::table* holder = holderOf(root, bound);
   if (holder == nullptr) {
     return "";
@@ -92,7 +100,7 @@ std::string changed(const Carrier& carrier, const Bound& bound, double value) {
 
 /// The carrier's text without the key, or empty where it does not hold it.
 std::string without(const Carrier& carrier, const Bound& bound) {
-  toml::table root = toml::parse(carrier.text);
+  toml::table root = parsed(carrier);
   toml::table* holder = holderOf(root, bound);
   if (holder == nullptr) {
     return "";

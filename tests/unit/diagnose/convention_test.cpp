@@ -231,6 +231,18 @@ TEST_CASE("effects on a joint that a torque's shift does not explain say nothing
   CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.04, 0.02));
 }
 
+TEST_CASE("a torque that comes early by no more than drives act late is no reading of its own") {
+  const auto tells = [](std::size_t rows) {
+    Recording recording = swinging();
+    recording.torque_Nm[1] = earlier(recording.torque_Nm[1], rows);
+    Reader reader(Dataset(std::span(&recording, 1), kCoarse), arm());
+    return isAmong(readings(reader, reader.asGiven(), columnNames(arm())), ConventionKind::kTorqueShift, 1,
+                   -static_cast<double>(rows) / 200.0, 0.01);
+  };
+  CHECK_FALSE(tells(5));
+  CHECK(tells(8));
+}
+
 TEST_CASE("a torque that comes too early may be that of a late drive, and is where the model declares one") {
   constexpr std::ptrdiff_t kRows = 8;
   constexpr double kEarly_s = kRows / 200.0;

@@ -65,6 +65,22 @@ TEST_CASE("a drive's spring is found where only its resonance shows") {
   }
 }
 
+TEST_CASE("a drive that acts as late as drives do is an effect, with a warning that a column may be early") {
+  const Case drawn = drawCase(7501000021, Suite::kSingle,
+                              {.effect = "actuator_delay", .mechanism = {}, .motion = "multisine"});
+  const diagnose::Diagnosis diagnosis = diagnosed(drawn);
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  const diagnose::EffectFinding& late = diagnosis.effects.front();
+  CHECK(late.kind == "actuator_delay");
+  constexpr double kDelay_s = 0.025;
+  CHECK(late.parameters.front().ci95[0] < kDelay_s);
+  CHECK(late.parameters.front().ci95[1] > kDelay_s);
+  CHECK(std::any_of(diagnosis.warnings.begin(), diagnosis.warnings.end(), [](const std::string& text) {
+    return text.find("a torque column that is") != std::string::npos;
+  }));
+}
+
 TEST_CASE("damping far from what the model declares is found, though the declared one could stretch to it") {
   const diagnose::Diagnosis diagnosis = diagnosed(multisine(7601000181, Suite::kSingle));
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);

@@ -7,6 +7,7 @@
 
 #include "core/estimation/implicit_sampler.hpp"
 #include "sim/plant.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/unit/model/effect_fixture.hpp"
 
 using namespace patella;
@@ -89,7 +90,7 @@ TEST_CASE("a simulated mechanism with any effect stays finite and bounded for 5 
         CAPTURE(joint);
         sim::Plant plant = plantWith(name, *descriptor, joint);
         double farthest_rad = 0.0;
-        for (int n = 0; n < 5000; ++n) {
+        for (int n = 0; n < test::unlessSanitized(5000, 500); ++n) {
           const EmgArray activation = test::sampleAt(*mechanism, plant.time_s()).input.activation;
           plant.advance(command(*mechanism, plant), activation, kTick_s);
           farthest_rad = std::max(farthest_rad, plant.state().q.cwiseAbs().maxCoeff());

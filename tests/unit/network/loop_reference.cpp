@@ -63,11 +63,15 @@ Vector context(const NetworkWeights& weights, const std::vector<Vector>& signal,
   const auto window = static_cast<std::size_t>(weights.window);
   const std::size_t first = step + 1 > window ? step + 1 - window : 0;
   const Vector query = projected(0, step);
+  std::vector<Vector> keys, values;
+  for (std::size_t at = first; at <= step; ++at) {
+    keys.push_back(projected(1, at));
+    values.push_back(projected(2, at));
+  }
   Vector result(static_cast<std::size_t>(channels), 0.0);
   for (std::size_t head = 0; head < static_cast<std::size_t>(weights.heads); ++head) {
     Vector weight;
-    for (std::size_t at = first; at <= step; ++at) {
-      const Vector key = projected(1, at);
+    for (const Vector& key : keys) {
       double score = 0.0;
       for (std::size_t i = head * head_channels; i < (head + 1) * head_channels; ++i)
         score += query[i] * key[i];
@@ -77,11 +81,9 @@ Vector context(const NetworkWeights& weights, const std::vector<Vector>& signal,
     double total = 0.0;
     for (double& value : weight)
       total += value = std::exp(value - largest);
-    for (std::size_t at = first; at <= step; ++at) {
-      const Vector value = projected(2, at);
+    for (std::size_t at = 0; at < values.size(); ++at)
       for (std::size_t i = head * head_channels; i < (head + 1) * head_channels; ++i)
-        result[i] += weight[at - first] / total * value[i];
-    }
+        result[i] += weight[at] / total * values[at][i];
   }
   return result;
 }

@@ -267,9 +267,10 @@ std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnN
     }
   }
   std::erase_if(all, [](const ReadAs& one) {
-    const double size = std::abs(one.convention.number);
-    return (one.convention.kind == ConventionKind::kZero && size < kLeastZero_rad) ||
-           (one.convention.kind == ConventionKind::kTorqueShift && size < kLeastShift_s);
+    const double number = one.convention.number;
+    return (one.convention.kind == ConventionKind::kZero && std::abs(number) < kLeastZero_rad) ||
+           (one.convention.kind == ConventionKind::kTorqueShift && number > -kSlowDrive_s &&
+            number < kLeastShift_s);
   });
   return all;
 }

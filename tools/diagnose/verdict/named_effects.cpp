@@ -77,6 +77,20 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
   }
 }
 
+// Motion alone does not tell a drive that is late from a column that is early.
+void warnOfEarlyColumns(Diagnosis& diagnosis) {
+  for (const EffectFinding& effect : diagnosis.effects) {
+    const bool late = effect.kind == "actuator_delay" || effect.kind == "actuator_lag";
+    if (late && effect.parameters.front().value >= convention::kLeastShift_s) {
+      diagnosis.warnings.push_back(
+          fmt::format("joint {}: a drive that acts {:.0f} ms late and a torque column that is as much too "
+                      "early look alike; "
+                      "check the times of the columns",
+                      effect.joint + 1, 1e3 * effect.parameters.front().value));
+    }
+  }
+}
+
 // The share of found effects includes that of the declared ones that they replaced.
 Eigen::VectorXd missingTorque(MissingEffects& found) {
   Eigen::VectorXd residual = found.nominal.residual;
@@ -110,6 +124,7 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
     }
   }
   addConfoundsBetween(diagnosis.effects);
+  warnOfEarlyColumns(diagnosis);
   addTremors(recordings, found.fitter->describe(selection.fit), found.fitter->leastTorque_Nm(), rests,
              options, diagnosis);
   // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
