@@ -207,7 +207,8 @@ inline constexpr double kTwoLevels = 2.5;
 namespace rivals {
 /// Share of what the found effect's columns explain that a rival's have to, for it to be fitted.
 inline constexpr double kNear = 0.35;
-/// −2 log posterior within which two effects explain the data equally well.
+/// −2 log posterior within which two effects explain the data equally well. By more than that, the held-out
+/// part puts one before the other.
 inline constexpr double kMargin = 6.0;
 /// The same without regard to the number of parameters: what explains no less is no worse an answer for
 /// having more of them, which its physics may have fixed.
@@ -216,7 +217,8 @@ inline constexpr double kAsWell = 2.7;
 /// with it, count for more than noise.
 inline constexpr double kNoDifference = 0.005;
 /// The same for shapes that are much alike: four standard deviations. Real machines have a little of both of
-/// two such effects, and a ripple of few periods is much like a spring that bends.
+/// two such effects, and a ripple of few periods is much like a spring that bends. By as much, the held-out
+/// part excludes what is not alike.
 inline constexpr double kAlike = 16.0;
 /// −2 log likelihood for each parameter that an effect has beyond one that it contains, and so explains as
 /// much as always: one in twenty explains more by chance.

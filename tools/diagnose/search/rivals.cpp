@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/search/candidate.hpp"
+#include "tools/diagnose/search/prediction.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -14,25 +17,33 @@ namespace patella::diagnose {
 namespace {
 
 constexpr int kRivalReplicates = 99;
+/// Effects that a rival may take the place of, one after the other.
+constexpr int kMostExchanges = 3;
 
 /// Data shared by the search for rivals of one found effect.
 class RivalSearch {
  public:
   RivalSearch(ModelFitter& fitter, const ModelFit& found, const ModelFit& smaller, std::size_t term,
-              double unit, std::uint64_t seed)
+              const RivalOptions& options)
       : fitter_(fitter),
         found_(found),
         smaller_(smaller),
         own_(*found.terms[term].recipe),
         torque_(fitter.torque(found.terms[term])),
         cost_(parameterCost(found)),
-        unit_(unit),
-        seed_(seed),
-        gain_((smaller.objective - found.objective) / unit) {}
+        unit_(options.unit),
+        seed_(options.seed),
+        gain_((smaller.objective - found.objective) / options.unit),
+        prediction_(fitter, found, options.heldout) {}
 
   double gain() const { return gain_; }
 
-  std::vector<std::string> labels(const Atoms& atoms) const {
+  struct Found {
+    std::vector<std::string> labels;
+    std::optional<ModelFit> better;  ///< with the rival that has more evidence than what was found
+  };
+
+  Found find(const Atoms& atoms) {
     const Screening screening(fitter_.data(), smaller_, atoms,
                               {.replicates = kRivalReplicates, .seed = seed_});
     std::vector<Candidate> candidates = rank(atoms, screening, cost_);
@@ -41,15 +52,23 @@ class RivalSearch {
                                      [&](const Candidate& c) { return c.atom->label == own; });
     const double own_score = itself == candidates.end() ? 0.0 : itself->score;
     std::erase_if(candidates, [&](const Candidate& c) {
-      return c.atom->label == own || c.score < rivals::kNear * own_score;
+      return isFound(c.atom->label) || c.score < rivals::kNear * own_score;
     });
     fitBest(fitter_, smaller_, cost_, candidates);
     std::vector<const Candidate*> rivals;
     const Candidate* simpler = nullptr;
     const Candidate* wider = nullptr;
+    Found found;
+    double most = 0.0;
     for (const Candidate& candidate : candidates) {
+      if (candidate.fit && mayStandFirst(candidate) && aheadBy(candidate) > most) {
+        most = aheadBy(candidate);
+        found.better = candidate.fit;
+      }
       if (candidate.fit && doesAsWell(candidate)) {
-        rivals.push_back(&candidate);
+        if (!isExcluded(candidate)) {
+          rivals.push_back(&candidate);
+        }
       } else if (candidate.fit && isNearlyAll(candidate)) {
         simpler = &candidate;
       } else if (candidate.fit && rivals.empty() && mayBeWider(candidate) &&
@@ -62,22 +81,51 @@ class RivalSearch {
       rivals.push_back(other);
     }
     dropOutdone(rivals);
-    std::vector<std::string> labels;
     for (const Candidate* rival : rivals) {
-      labels.push_back(rival->atom->label);
+      found.labels.push_back(rival->atom->label);
     }
-    return labels;
+    return found;
   }
 
  private:
+  bool isFound(const std::string& label) const {
+    return std::any_of(found_.terms.begin(), found_.terms.end(),
+                       [&](const Term& term) { return !term.declared && term.recipe->label() == label; });
+  }
+
+  // Where all evidence is for it, a special case of what was found stands first; another effect, which does
+  // as well by the fit, where that is beyond doubt. What contains the found one never does: a person's push,
+  // or a drift, is always explained a little better by more parameters. Nor does one of another joint: what
+  // is carried from joint to joint are masses, which are known to their tolerance only.
+  bool mayStandFirst(const Candidate& rival) {
+    const Recipe& its = *rival.atom->recipe;
+    if (!rival.refused_because.empty() || its.joint != own_.joint || contains(its, own_) ||
+        approaches(its, own_) || approaches(own_, its)) {
+      return false;
+    }
+    return contains(own_, its) ? marginOf(rival) > ownMargin() - rivals::kAlike
+                               : doesAsWell(rival) && aheadBy(rival) > rivals::kMargin;
+  }
+
+  double ownMargin() const { return gain_ - cost_ * (parametersInUse(found_) - parametersInUse(smaller_)); }
+
+  // Evidence by which a rival is ahead of what was found: of what was fitted, and of what was not.
+  double aheadBy(const Candidate& rival) {
+    return marginOf(rival) - ownMargin() + prediction_.gain(*rival.fit) / unit_;
+  }
+
   bool doesAsWell(const Candidate& rival) const {
     if (unphysical(rival.refused_because) || decidedByNesting(rival)) {
       return false;
     }
-    const double margin = gain_ - cost_ * (parametersInUse(found_) - parametersInUse(smaller_));
     const double as_well = areAlike(*rival.atom->recipe, own_) ? rivals::kAlike : rivals::kAsWell;
-    return marginOf(rival) > margin - rivals::kMargin ||
+    return marginOf(rival) > ownMargin() - rivals::kMargin ||
            rival.fit->objective < found_.objective + std::max(as_well, rivals::kNoDifference * gain_) * unit_;
+  }
+
+  // Whether the held-out part tells apart what the fit does not.
+  bool isExcluded(const Candidate& rival) {
+    return aheadBy(rival) < -rivals::kAlike && !areAlike(*rival.atom->recipe, own_);
   }
 
   // The information criterion has chosen between two effects of which one contains the other.
@@ -92,7 +140,7 @@ class RivalSearch {
 
   // Evidence chooses as above where one rival contains the other. Where several contain what was found, the
   // one that would predict best is named. The others stay if they would predict nearly as well as the best.
-  void dropOutdone(std::vector<const Candidate*>& rivals) const {
+  void dropOutdone(std::vector<const Candidate*>& rivals) {
     const auto outdone = [&](const Candidate* rival, const Candidate* other) {
       const double gain = (other->fit->objective - rival->fit->objective) / unit_;
       const double more = parameters(*rival->fit) - parameters(*other->fit);
@@ -133,14 +181,19 @@ class RivalSearch {
     return gainOf(rival) - cost_ * (parametersInUse(*rival.fit) - parametersInUse(smaller_));
   }
 
-  // Akaike's criterion: how well a rival would predict, as nobody claims that the data prove it.
-  double predicts(const ModelFit& fit) const { return -fit.objective - 2.0 * unit_ * parametersInUse(fit); }
+  // How well a rival predicts: by Akaike's criterion, as nobody claims that the data prove it, and what was
+  // held out.
+  double predicts(const ModelFit& fit) {
+    return prediction_.gain(fit) - fit.objective - 2.0 * unit_ * parametersInUse(fit);
+  }
 
   // Whether an effect that contains the found one may be the true one: it would predict better, though the
-  // evidence is too little to find it, or it has not been excluded.
-  bool mayBeWider(const Candidate& rival) const {
-    return contains(*rival.atom->recipe, own_) && !unphysical(rival.refused_because) &&
-           (predicts(*rival.fit) > predicts(found_) || notExcluded(*rival.fit));
+  // evidence is too little to find it, or it has not been excluded. Where its estimate is beyond its range,
+  // only the latter counts.
+  bool mayBeWider(const Candidate& rival) {
+    const std::string& refusal = rival.refused_because;
+    return contains(*rival.atom->recipe, own_) && !refusal.starts_with("sign") &&
+           ((!unphysical(refusal) && predicts(*rival.fit) > predicts(found_)) || notExcluded(*rival.fit));
   }
 
   // Whether the torque of a fit's last effect may well be another: too little is said of what it has beyond.
@@ -167,25 +220,64 @@ class RivalSearch {
   double unit_;
   std::uint64_t seed_;
   double gain_;  ///< of the found effect
+  Prediction prediction_;
 };
 
-}  // namespace
+// Evidence goes with its term. The new one has that of the one in whose place it stands, and where it is a
+// special case, that one as its rival: the fit was for it.
+void exchange(ModelFitter& fitter, ModelFit better, std::size_t place, Selection& selection) {
+  const std::vector<Term>& old = selection.fit.terms;
+  Evidence own = selection.evidence[place];
+  own.rivals.clear();
+  if (contains(*old[place].recipe, *better.terms.back().recipe)) {
+    own.rivals.push_back(old[place].recipe->label());
+  }
+  std::vector<Evidence> evidence;
+  for (const Term& term : better.terms) {
+    const auto same =
+        std::find_if(old.begin(), old.end(), [&](const Term& t) { return t.recipe == term.recipe; });
+    evidence.push_back(same != old.end() ? selection.evidence[static_cast<std::size_t>(same - old.begin())]
+                       : term.declared   ? Evidence{}
+                                         : own);
+  }
+  const Weighting weighting(fitter.data(), better.residual);
+  selection.fit = fitter.fit(std::move(better), weighting);
+  selection.evidence = std::move(evidence);
+}
 
-void findRivals(ModelFitter& fitter, const Atoms& atoms, double unit, std::uint64_t seed,
-                Selection& selection) {
+// False where a rival has taken the place of a found effect: all others have to be compared anew then.
+bool addRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, bool may_exchange,
+               Selection& selection) {
+  std::vector<Evidence> evidence = selection.evidence;
   for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
     if (selection.fit.terms[t].declared) {
       continue;
     }
     const ModelFit smaller = fitter.fit(withoutTerm(selection.fit, t), *selection.fit.weighting);
-    const RivalSearch search(fitter, selection.fit, smaller, t, unit, seed);
-    selection.evidence[t].gain = search.gain();
-    auto& known = selection.evidence[t].rivals;
-    for (const std::string& label : search.labels(atoms)) {
+    RivalSearch search(fitter, selection.fit, smaller, t, options);
+    RivalSearch::Found found = search.find(atoms);
+    if (found.better && may_exchange) {
+      exchange(fitter, std::move(*found.better), t, selection);
+      return false;
+    }
+    evidence[t].gain = search.gain();
+    auto& known = evidence[t].rivals;
+    for (const std::string& label : found.labels) {
       if (std::find(known.begin(), known.end(), label) == known.end()) {
         known.push_back(label);
       }
     }
+  }
+  selection.evidence = std::move(evidence);
+  return true;
+}
+
+}  // namespace
+
+void findRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, Selection& selection) {
+  for (int exchanges = 0; !addRivals(fitter, atoms, options,
+                                     options.heldout != nullptr && exchanges < kMostExchanges, selection);) {
+    ++exchanges;
   }
 }
 

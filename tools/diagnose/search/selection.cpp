@@ -47,7 +47,7 @@ class Selector {
     }
     restate(fitter_, atoms_, {.unit = unit_, .replicates = options_.replicates, .seed = options_.seed},
             result_);
-    findRivals(fitter_, atoms_, unit_, options_.seed, result_);
+    findRivals(fitter_, atoms_, {.unit = unit_, .seed = options_.seed, .heldout = options_.heldout}, result_);
     return std::move(result_);
   }
 

@@ -22,6 +22,7 @@ struct SelectionOptions {
   int most_effects = 5;
   Gates gates;
   std::function<void(double fraction)> progress;
+  const Dataset* heldout = nullptr;  ///< judges between effects that could stand for each other; may be none
 };
 
 /// A found term and what speaks for it.
