@@ -81,6 +81,16 @@ TEST_CASE("a drive that acts as late as drives do is an effect, with a warning t
   }));
 }
 
+TEST_CASE("friction of two levels in place of one with dampings does not have its own name as a rival") {
+  const diagnose::Diagnosis diagnosis = diagnosed(multisine(7551000011, Suite::kDouble), 7551000011);
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 2);
+  const auto friction = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                     [](const auto& effect) { return effect.kind == "asymmetric_friction"; });
+  REQUIRE(friction != diagnosis.effects.end());
+  CHECK(friction->indistinguishable_from == std::vector<std::string>{"coulomb_friction+torque_bias"});
+}
+
 TEST_CASE("damping far from what the model declares is found, though the declared one could stretch to it") {
   const diagnose::Diagnosis diagnosis = diagnosed(multisine(7601000181, Suite::kSingle));
   CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);

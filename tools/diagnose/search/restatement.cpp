@@ -57,7 +57,7 @@ class Restatement {
     const double share = (rest.objective - best->objective) / (rest.objective - selection_.fit.objective);
     take(std::move(*best), before.p_value);
     selection_.evidence.back().gain = share * before.gain;
-    selection_.evidence.back().rivals = {wider};
+    nameRival(wider);
     return true;
   }
 
@@ -108,12 +108,19 @@ class Restatement {
         const bool has_evidence = worth(*best) > worth(selection_.fit) && selection_.fit.at_edge.empty();
         take(std::move(*best), selection_.evidence[t].p_value);
         if (special && has_evidence) {
-          selection_.evidence.back().rivals = {wider};
+          nameRival(wider);
         }
         return true;
       }
     }
     return false;
+  }
+
+  // Of the last term. Another variant of the same kind has its name, and is no other answer.
+  void nameRival(const std::string& label) {
+    if (label != selection_.fit.terms.back().recipe->label()) {
+      selection_.evidence.back().rivals = {label};
+    }
   }
 
   // What the selection has beyond a smaller fit.

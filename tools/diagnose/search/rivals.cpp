@@ -229,8 +229,10 @@ void exchange(ModelFitter& fitter, ModelFit better, std::size_t place, Selection
   const std::vector<Term>& old = selection.fit.terms;
   Evidence own = selection.evidence[place];
   own.rivals.clear();
-  if (contains(*old[place].recipe, *better.terms.back().recipe)) {
-    own.rivals.push_back(old[place].recipe->label());
+  const Recipe& before = *old[place].recipe;
+  const Recipe& now = *better.terms.back().recipe;
+  if (contains(before, now) && before.label() != now.label()) {
+    own.rivals.push_back(before.label());
   }
   std::vector<Evidence> evidence;
   for (const Term& term : better.terms) {
