@@ -12,13 +12,13 @@
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/before_and_after.hpp"
 #include "tools/diagnose/verdict/consistency.hpp"
-#include "tools/diagnose/verdict/dependence.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
 #include "tools/diagnose/verdict/known_strength.hpp"
 #include "tools/diagnose/verdict/material_rest.hpp"
 #include "tools/diagnose/verdict/named_effects.hpp"
 #include "tools/diagnose/verdict/power.hpp"
 #include "tools/diagnose/verdict/runaways.hpp"
+#include "tools/diagnose/verdict/unexplained_rest.hpp"
 #include "tools/diagnose/verdict/verdict.hpp"
 
 namespace patella::diagnose {
@@ -91,16 +91,11 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   }
 
   options.report("unexplained", 0.0);
+  const UnexplainedRest left = unexplainedRest(analysed, bare.mechanism(), noise_Nm, options, found);
   const ModelFit& fit = found.selection.fit;
-  const ModelFit whole = found.fitter->onWholeTorque(fit);
-  const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * options.family_wise_p;
-  const std::vector<JointRest> rests = jointRests(train, bare.mechanism(), whole.residual, noise_Nm);
-  nameEffects(analysed, found, whole.residual, rests,
-              testDependence(train, whole, analysed.channels, found.fitter->leastTorque_Nm(),
-                             4 * options.bootstrap_replicates, level, options.seed + 104729),
-              options, diagnosis);
+  nameEffects(analysed, found, left, options, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
-  judgeRest(rests, !options.person_Nm.empty(), diagnosis);
+  judgeRest(left.joints, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, diagnosis);
   diagnosis.revealed =
       revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit), chanceOf(diagnosis, fit));
@@ -111,7 +106,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                  .given = model,
                  .refitted = found.refitted,
                  .extended = found.fitter->describe(fit),
-                 .unexplained = whole.residual},
+                 .unexplained = left.whole.residual},
                 diagnosis);
   settle(diagnosis);
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());

@@ -230,7 +230,8 @@ inline constexpr double kPredictsLess = 4.0;
 inline constexpr double kMaterialDoubt = 0.25;
 /// Standard deviations of a 95 % interval, rounded.
 inline constexpr double kWithin95 = 2.0;
-/// Share of what Stribeck's friction explains from which on dry friction may be all there is.
+/// Share of what Stribeck's friction, or dry friction beside a bias, explains from which on dry friction, of
+/// one level or of two, may be all there is: they differ near rest only.
 inline constexpr double kNearlyAll = 0.85;
 }  // namespace rivals
 

@@ -145,6 +145,27 @@ TEST_CASE("a peak of friction close to rest is found") {
   }
 }
 
+TEST_CASE(
+    "dry friction and a bias are friction of two levels, though they turn round differently near rest") {
+  const diagnose::Diagnosis diagnosis = diagnosed(drawCase(
+      7531000034, Suite::kSingle, {.effect = "asymmetric_friction", .mechanism = {}, .motion = "multisine"}));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  CHECK(diagnosis.effects[0].kind == "asymmetric_friction");
+  CHECK(diagnosis.effects[0].indistinguishable_from ==
+        std::vector<std::string>{"coulomb_friction+torque_bias"});
+}
+
+TEST_CASE("a rival that explains what the found effect leaves takes its place") {
+  const diagnose::Diagnosis diagnosis = diagnosed(drawCase(
+      7572000022, Suite::kSingle, {.effect = "stribeck_friction", .mechanism = {}, .motion = "multisine"}));
+  CHECK(diagnosis.verdict == diagnose::Verdict::kEffectFound);
+  CHECK(diagnosis.unexplained.empty());
+  REQUIRE(diagnosis.effects.size() == 1);
+  CHECK(diagnosis.effects[0].kind == "stribeck_friction");
+  CHECK(diagnosis.effects[0].indistinguishable_from == std::vector<std::string>{"coulomb_friction"});
+}
+
 TEST_CASE("a joint of little noise pays for no other, though in torque the sum falls") {
   const diagnose::Diagnosis diagnosis = diagnosed(drawCase(137000146, Suite::kNone, {}));
   CHECK(diagnosis.verdict == diagnose::Verdict::kNothingMissing);

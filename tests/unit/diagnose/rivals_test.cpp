@@ -57,6 +57,9 @@ class Claimed {
     return selection_;
   }
 
+  /// The selection with each of its rivals instead.
+  std::vector<Selection> exchanged() { return withRivals(fitter_, atoms_, selection_); }
+
   const ModelFitter& fitter() const { return fitter_; }
   const ModelFit& nominal() const { return nominal_; }
 
@@ -74,6 +77,19 @@ TEST_CASE("what explains the fitted part as well is a rival of what was found") 
   REQUIRE(judged.fit.terms.size() == 1);
   CHECK(judged.fit.terms.front().recipe->kind == "thermal_drift");
   CHECK(judged.evidence.front().rivals == std::vector<std::string>{"torque_bias@1"});
+}
+
+TEST_CASE("an effect and its rival change places") {
+  Claimed claimed;
+  CHECK(claimed.exchanged().empty());
+  claimed.judgedBy(nullptr);
+  const std::vector<Selection> exchanged = claimed.exchanged();
+  REQUIRE(exchanged.size() == 1);
+  REQUIRE(exchanged[0].fit.terms.size() == 1);
+  CHECK(exchanged[0].fit.terms[0].recipe->kind == "torque_bias");
+  REQUIRE(exchanged[0].evidence.size() == 1);
+  CHECK(exchanged[0].evidence[0].p_value == 0.002);
+  CHECK(exchanged[0].evidence[0].rivals == std::vector<std::string>{"thermal_drift@1"});
 }
 
 TEST_CASE("the rival that the held-out part speaks for takes the place of what was found") {

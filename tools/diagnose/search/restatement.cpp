@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/search/candidate.hpp"
 #include "tools/diagnose/search/estimates.hpp"
@@ -31,9 +33,10 @@ class Restatement {
   void run() {
     while (simplify()) {
     }
-    unite("torque_bias", "asymmetric_friction", 2);
-    unite("stribeck_friction", "stribeck_friction", 2);
+    unite("coulomb_friction", "torque_bias", "asymmetric_friction");
+    unite("coulomb_friction", "stribeck_friction", "stribeck_friction");
     restateFriction();
+    unite("stribeck_friction", "torque_bias", "asymmetric_friction");
     while (simplify()) {
     }
     levelOut();
@@ -55,8 +58,8 @@ class Restatement {
     const std::string wider = selection_.fit.terms[t].recipe->label();
     const Evidence before = selection_.evidence[t];
     const double share = (rest.objective - best->objective) / (rest.objective - selection_.fit.objective);
-    take(std::move(*best), before.p_value);
-    selection_.evidence.back().gain = share * before.gain;
+    adopt(selection_, std::move(*best),
+          {.p_value = before.p_value, .gain = share * before.gain, .rivals = {}});
     nameRival(wider);
     return true;
   }
@@ -106,7 +109,8 @@ class Restatement {
                    isOutOfRange(t, *best, rest) || !isMissed(*best))) {
         const std::string wider = term.recipe->label();
         const bool has_evidence = worth(*best) > worth(selection_.fit) && selection_.fit.at_edge.empty();
-        take(std::move(*best), selection_.evidence[t].p_value);
+        adopt(selection_, std::move(*best),
+              {.p_value = selection_.evidence[t].p_value, .gain = 0.0, .rivals = {}});
         if (special && has_evidence) {
           nameRival(wider);
         }
@@ -161,29 +165,38 @@ class Restatement {
     return std::nullopt;
   }
 
-  // Two findings that are one: dry friction and a bias are, by algebra, dry friction of two levels; dry
-  // friction and what comes on top of it near rest are Stribeck's.
-  void unite(std::string_view second, std::string_view both, std::size_t coefficients) {
+  // Two findings that are one. Dry friction and a bias are dry friction of two levels, but for how it turns
+  // round near rest, where nothing is measured well; the peak of Stribeck's is there, too. Dry friction and
+  // what comes on top of it near rest are Stribeck's. Two that say more stay a possibility.
+  void unite(std::string_view first, std::string_view second, std::string_view both) {
     for (const Atom& atom : atoms_.items) {
       const Recipe& recipe = *atom.recipe;
-      if (recipe.kind != both || recipe.coefficients() != coefficients) {
+      if (recipe.kind != both || recipe.coefficients() != 2) {
         continue;
       }
-      const auto one = found("coulomb_friction", recipe.joint);
+      const auto one = found(first, recipe.joint);
       const auto other = found(second, recipe.joint);
       if (!one || !other) {
         continue;
       }
       const auto [low, high] = std::minmax(*one, *other);
       const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
-      const ModelFit rest = without(low, high);
+      const ModelFit rest = fitter_.fit(without(low, high), *selection_.fit.weighting);
       const Term& second_term = selection_.fit.terms[*other];
-      std::optional<ModelFit> united = added(fitter_.fit(rest, *selection_.fit.weighting), atom,
-                                             second_term.recipe->kind == both ? second_term.nu : atom.nu);
-      if (!united || !united->at_edge.empty() || united->objective > selection_.fit.objective + unit_) {
+      std::optional<ModelFit> united =
+          added(rest, atom, second_term.recipe->kind == both ? second_term.nu : atom.nu);
+      // Stribeck's peak is one thing that differs near rest, and how two levels turn round another.
+      const bool peak = first == "stribeck_friction";
+      const double nearly_all = peak ? rivals::kNearlyAll * rivals::kNearlyAll : rivals::kNearlyAll;
+      if (!united || !united->at_edge.empty() ||
+          rest.objective - united->objective < nearly_all * (rest.objective - selection_.fit.objective)) {
         continue;
       }
-      take(std::move(*united), p_value);
+      const bool says_more = peak && worth(selection_.fit) < worth(*united);
+      adopt(selection_, std::move(*united), {.p_value = p_value, .gain = 0.0, .rivals = {}});
+      if (says_more) {
+        nameRival(fmt::format("{}+{}@{}", first, second, recipe.joint + 1));
+      }
     }
   }
 
@@ -227,7 +240,7 @@ class Restatement {
         }
       }
       if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
-        take(std::move(*best), p_value);
+        adopt(selection_, std::move(*best), {.p_value = p_value, .gain = 0.0, .rivals = {}});
       }
     }
   }
@@ -252,7 +265,8 @@ class Restatement {
       std::optional<ModelFit> level =
           plain != nullptr ? added(withoutTerm(selection_.fit, t), *plain, plain->nu) : std::nullopt;
       if (level && level->at_edge.empty()) {
-        take(std::move(*level), selection_.evidence[t].p_value);
+        adopt(selection_, std::move(*level),
+              {.p_value = selection_.evidence[t].p_value, .gain = 0.0, .rivals = {}});
       }
     }
   }
@@ -285,25 +299,10 @@ class Restatement {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       const std::optional<ModelFit> plain = asPlainFriction(t);
       if (plain && worth(*plain) < worth(selection_.fit)) {
-        selection_.evidence[t].rivals.push_back("coulomb_friction+viscous_friction@" +
-                                                std::to_string(selection_.fit.terms[t].recipe->joint + 1));
+        selection_.evidence[t].rivals.push_back(
+            fmt::format("coulomb_friction+viscous_friction@{}", selection_.fit.terms[t].recipe->joint + 1));
       }
     }
-  }
-
-  // Evidence of terms that were there already goes with them; new ones have this p.
-  void take(ModelFit fit, double p_value) {
-    std::vector<Evidence> evidence;
-    for (const Term& term : fit.terms) {
-      const auto& old = selection_.fit.terms;
-      const auto same =
-          std::find_if(old.begin(), old.end(), [&](const Term& t) { return t.recipe == term.recipe; });
-      evidence.push_back(same != old.end()
-                             ? selection_.evidence[static_cast<std::size_t>(same - old.begin())]
-                             : Evidence{.p_value = term.declared ? 1.0 : p_value, .gain = 0.0, .rivals = {}});
-    }
-    selection_.evidence = std::move(evidence);
-    selection_.fit = std::move(fit);
   }
 
   // The terms without two of them, the lower first; not fitted.

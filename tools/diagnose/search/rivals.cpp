@@ -223,28 +223,18 @@ class RivalSearch {
   Prediction prediction_;
 };
 
-// Evidence goes with its term. The new one has that of the one in whose place it stands, and where it is a
-// special case, that one as its rival: the fit was for it.
+// The new effect has the evidence of the one in whose place it stands, and where it is a special case, that
+// one as its rival: the fit was for it.
 void exchange(ModelFitter& fitter, ModelFit better, std::size_t place, Selection& selection) {
-  const std::vector<Term>& old = selection.fit.terms;
   Evidence own = selection.evidence[place];
   own.rivals.clear();
-  const Recipe& before = *old[place].recipe;
+  const Recipe& before = *selection.fit.terms[place].recipe;
   const Recipe& now = *better.terms.back().recipe;
   if (contains(before, now) && before.label() != now.label()) {
     own.rivals.push_back(before.label());
   }
-  std::vector<Evidence> evidence;
-  for (const Term& term : better.terms) {
-    const auto same =
-        std::find_if(old.begin(), old.end(), [&](const Term& t) { return t.recipe == term.recipe; });
-    evidence.push_back(same != old.end() ? selection.evidence[static_cast<std::size_t>(same - old.begin())]
-                       : term.declared   ? Evidence{}
-                                         : own);
-  }
   const Weighting weighting(fitter.data(), better.residual);
-  selection.fit = fitter.fit(std::move(better), weighting);
-  selection.evidence = std::move(evidence);
+  adopt(selection, fitter.fit(std::move(better), weighting), own);
 }
 
 // False where a rival has taken the place of a found effect: all others have to be compared anew then.
@@ -274,7 +264,66 @@ bool addRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& opti
   return true;
 }
 
+// The best fit with the effect of that label, from wherever on its grid it starts; empty where it has none
+// within its range.
+std::optional<ModelFit> withEffect(ModelFitter& fitter, const Atoms& atoms, const ModelFit& smaller,
+                                   const std::string& label) {
+  std::optional<ModelFit> best;
+  for (const Atom& atom : atoms.items) {
+    std::optional<ModelFit> start = atom.recipe != nullptr && atom.label == label
+                                        ? withCandidate(fitter, smaller, atom, Screened{})
+                                        : std::nullopt;
+    if (!start) {
+      continue;
+    }
+    ModelFit fit = fitter.fit(std::move(*start), *smaller.weighting);
+    if (fit.at_edge.empty() && (!best || fit.objective < best->objective)) {
+      best = std::move(fit);
+    }
+  }
+  return best;
+}
+
+// "a+b@1": a@1 and b@1.
+std::vector<std::string> effectsOf(const std::string& rival) {
+  const std::size_t end = rival.find('@');
+  std::vector<std::string> labels;
+  for (std::size_t first = 0; first < end;) {
+    const std::size_t next = std::min(rival.find('+', first), end);
+    labels.push_back(rival.substr(first, next - first) + rival.substr(end));
+    first = next + 1;
+  }
+  return labels;
+}
+
 }  // namespace
+
+std::vector<Selection> withRivals(ModelFitter& fitter, const Atoms& atoms, const Selection& selection) {
+  std::vector<Selection> all;
+  for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
+    for (const std::string& rival : selection.evidence[t].rivals) {
+      const std::vector<std::string> labels = effectsOf(rival);
+      std::optional<ModelFit> fit = fitter.fit(withoutTerm(selection.fit, t), *selection.fit.weighting);
+      for (const std::string& label : labels) {
+        fit = fit ? withEffect(fitter, atoms, *fit, label) : std::nullopt;
+      }
+      if (!fit) {
+        continue;
+      }
+      Selection other = selection;
+      Evidence own = other.evidence[t];
+      if (labels.size() == 1) {
+        std::replace(own.rivals.begin(), own.rivals.end(), rival, selection.fit.terms[t].recipe->label());
+      } else {
+        own.rivals.clear();
+      }
+      const Weighting weighting(fitter.data(), fit->residual);
+      adopt(other, fitter.fit(std::move(*fit), weighting), own);
+      all.push_back(std::move(other));
+    }
+  }
+  return all;
+}
 
 void findRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, Selection& selection) {
   for (int exchanges = 0; !addRivals(fitter, atoms, options,

@@ -193,20 +193,12 @@ class Selector {
     return {};
   }
 
-  // Evidence follows its term; what the new one replaced goes.
   void accept(Candidate& best, double p_value) {
-    std::vector<Evidence> evidence;
-    for (std::size_t t = 0; t < result_.fit.terms.size(); ++t) {
-      if (!replaces(*best.atom->recipe, result_.fit.terms[t])) {
-        evidence.push_back(result_.evidence[t]);
-      }
-    }
-    evidence.push_back({.p_value = p_value, .gain = best.gain, .rivals = {}});
     // The residual is nearer to the noise now: weighted by it, everything is fitted once more.
     const Eigen::VectorXd residual = best.fit->residual;
     fitter_.setRedundancy(redundancy(fitter_.data(), *best.fit, kUnitSeed));
-    result_.fit = fitter_.fit(std::move(*best.fit), Weighting(fitter_.data(), residual));
-    result_.evidence = std::move(evidence);
+    adopt(result_, fitter_.fit(std::move(*best.fit), Weighting(fitter_.data(), residual)),
+          {.p_value = p_value, .gain = best.gain, .rivals = {}});
     unit_ = best.unit;
   }
 
@@ -226,9 +218,7 @@ class Selector {
       const double gain = (smaller.objective - result_.fit.objective) / unit_;
       if (gain < cost_ * (parameters(result_.fit) - parameters(smaller))) {
         const std::size_t back = term.replaced.size();
-        result_.fit = std::move(smaller);
-        result_.evidence.erase(result_.evidence.begin() + static_cast<std::ptrdiff_t>(t));
-        result_.evidence.insert(result_.evidence.begin(), back, Evidence{});
+        adopt(result_, std::move(smaller), {});
         t += back;
       } else {
         result_.evidence[t].gain = gain;
@@ -252,12 +242,23 @@ Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nomina
   return Selector(fitter, atoms, nominal, options).run();
 }
 
+void adopt(Selection& selection, ModelFit fit, const Evidence& of_new) {
+  const std::vector<Term>& old = selection.fit.terms;
+  std::vector<Evidence> evidence;
+  for (const Term& term : fit.terms) {
+    const auto same =
+        std::find_if(old.begin(), old.end(), [&](const Term& t) { return t.recipe == term.recipe; });
+    evidence.push_back(same != old.end() ? selection.evidence[static_cast<std::size_t>(same - old.begin())]
+                       : term.declared   ? Evidence{}
+                                         : of_new);
+  }
+  selection.fit = std::move(fit);
+  selection.evidence = std::move(evidence);
+}
+
 Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term) {
   Selection smaller = selection;
-  smaller.fit = fitter.fit(withoutTerm(selection.fit, term), *selection.fit.weighting);
-  smaller.evidence.erase(smaller.evidence.begin() + static_cast<std::ptrdiff_t>(term));
-  // Declared terms that come back stand first.
-  smaller.evidence.insert(smaller.evidence.begin(), selection.fit.terms[term].replaced.size(), Evidence{});
+  adopt(smaller, fitter.fit(withoutTerm(selection.fit, term), *selection.fit.weighting), {});
   return smaller;
 }
 

@@ -44,6 +44,10 @@ struct Selection {
 Selection select(ModelFitter& fitter, const Atoms& atoms, const ModelFit& nominal,
                  const SelectionOptions& options);
 
+/// Puts a fit in the place of the selection's. Evidence follows its term; a term that is new has `of_new`,
+/// and a declared one that comes back has none.
+void adopt(Selection& selection, ModelFit fit, const Evidence& of_new);
+
 /// The selection fitted again without one of its terms.
 Selection withoutTerm(ModelFitter& fitter, const Selection& selection, std::size_t term);
 

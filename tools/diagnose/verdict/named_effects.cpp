@@ -104,16 +104,15 @@ Eigen::VectorXd missingTorque(MissingEffects& found) {
 
 }  // namespace
 
-void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, const Column& left,
-                 std::span<const JointRest> rests, const std::vector<Dependence>& dependences,
+void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, const UnexplainedRest& rest,
                  const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const Dataset& data = recordings.train;
   const Selection& selection = found.selection;
   diagnosis.steps = selection.steps;
-  diagnosis.unexplained = dependences;
+  diagnosis.unexplained = rest.dependences;
   const Eigen::MatrixXd covariance =
       withRest(widerCovariance(data, selection.fit, options.bootstrap_replicates, options.covarianceSeed()),
-               data, selection.fit, rests);
+               data, selection.fit, rest.joints);
   const std::vector<FreeFunction> free = freeFunctions(data, selection);
   addSelected(found, covariance, free, data.joints(), diagnosis.effects);
   for (const LateDrive& late : found.late) {
@@ -125,13 +124,13 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
   }
   addConfoundsBetween(diagnosis.effects);
   warnOfEarlyColumns(diagnosis);
-  addTremors(recordings, found.fitter->describe(selection.fit), found.fitter->leastTorque_Nm(), rests,
+  addTremors(recordings, found.fitter->describe(selection.fit), found.fitter->leastTorque_Nm(), rest.joints,
              options, diagnosis);
   // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
   if (diagnosis.effects.empty() && diagnosis.unexplained.empty() && selection.unsteady) {
     diagnosis.unexplained.push_back(*selection.unsteady);
   }
-  const bool unexplained = restIsUnknown(data, {.missing = missingTorque(found), .left = left},
+  const bool unexplained = restIsUnknown(data, {.missing = missingTorque(found), .left = rest.whole.residual},
                                          diagnosis.effects, diagnosis.unexplained);
   for (const FreeFunction& function : free) {
     diagnosis.unexplained.insert(diagnosis.unexplained.begin(), function.dependence);

@@ -1,0 +1,41 @@
+#include "tools/diagnose/verdict/unexplained_rest.hpp"
+
+#include <utility>
+
+#include "tools/diagnose/search/outweighed.hpp"
+#include "tools/diagnose/search/rivals.hpp"
+#include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/dependence.hpp"
+
+namespace patella::diagnose {
+
+UnexplainedRest unexplainedRest(const AnalysedRecordings& recordings, const model::Mechanism& mechanism,
+                                std::span<const double> noise_Nm, const DiagnoseOptions& options,
+                                MissingEffects& found) {
+  const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * options.family_wise_p;
+  const auto left = [&](const ModelFit& fit) {
+    UnexplainedRest rest{.whole = found.fitter->onWholeTorque(fit), .joints = {}, .dependences = {}};
+    rest.joints = jointRests(recordings.train, mechanism, rest.whole.residual, noise_Nm);
+    rest.dependences =
+        testDependence(recordings.train, rest.whole, recordings.channels, found.fitter->leastTorque_Nm(),
+                       4 * options.bootstrap_replicates, level, options.seed + 104729);
+    return rest;
+  };
+  UnexplainedRest rest = left(found.selection.fit);
+  if (rest.dependences.empty()) {
+    return rest;
+  }
+  for (Selection& other : withRivals(*found.fitter, found.atoms, found.selection)) {
+    UnexplainedRest of_other = left(other.fit);
+    if (of_other.dependences.empty()) {
+      found.selection = std::move(other);
+      if (options.gates.rest) {
+        found.outweighed = outweighedByRest(*found.fitter, found.selection, noise_Nm);
+      }
+      return of_other;
+    }
+  }
+  return rest;
+}
+
+}  // namespace patella::diagnose
