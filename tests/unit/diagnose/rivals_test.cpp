@@ -92,6 +92,19 @@ TEST_CASE("an effect and its rival change places") {
   CHECK(exchanged[0].evidence[0].rivals == std::vector<std::string>{"thermal_drift@1"});
 }
 
+TEST_CASE("a candidate without coefficients that was not screened begins where its atom is") {
+  const Dataset data = dataOf(12.0, 1);
+  ModelFitter fitter(data, pendulum(), FitOptions{});
+  const Atoms atoms =
+      recipeAtoms(fitter, recipes(data, pendulum().mechanism, std::vector<std::string>{"actuator_delay"}, {},
+                                  std::array{kSmoothing_rad_s}));
+  REQUIRE(!atoms.items.empty());
+  const std::optional<ModelFit> start =
+      withCandidate(fitter, fitter.nominal(), atoms.items.front(), Screened{});
+  REQUIRE(start);
+  CHECK(start->terms.back().nu == atoms.items.front().nu);
+}
+
 TEST_CASE("the rival that the held-out part speaks for takes the place of what was found") {
   Claimed claimed;
   const Dataset heldout = dataOf(60.0, 2);

@@ -146,7 +146,7 @@ std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, 
     }
     term.recipe = reduced(atom.recipe, own);
     term.c = firstEstimate(*term.recipe, fit, fitter.basis(*term.recipe, term.nu), given);
-  } else if (atom.recipe->proportional) {
+  } else if (atom.recipe->proportional && screened.c.size() > 0) {
     const NonlinearParameter& range = atom.recipe->nonlinear.front();
     term.nu[0] = std::clamp(term.nu[0] * screened.c[0], range.lower, range.upper);
   }

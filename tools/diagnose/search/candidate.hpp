@@ -22,7 +22,8 @@ bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom);
 
 /// A fit with a candidate as last term, ready to be fitted; nothing where the terms of the fit already give
 /// any torque that the candidate can. Coefficients that only repeat what other effects give are left out:
-/// what the sum is made of could not be told, and any shares would fit.
+/// what the sum is made of could not be told, and any shares would fit. An effect without coefficients begins
+/// where `screened` says, or where its atom is.
 std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, const Atom& atom,
                                       const Screened& screened);
 
