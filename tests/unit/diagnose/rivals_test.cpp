@@ -12,6 +12,7 @@
 #include "tests/support/swinging_joint.hpp"
 #include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/search/candidate.hpp"
+#include "tools/diagnose/search/exchange.hpp"
 #include "tools/diagnose/search/prediction.hpp"
 
 namespace patella::diagnose {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "tools/diagnose/search/screening.hpp"
 #include "tools/diagnose/search/selection.hpp"
@@ -20,9 +19,5 @@ struct RivalOptions {
 /// selection its gain and, beside the rivals that it has, the labels of those that would do as well in its
 /// place.
 void findRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, Selection& selection);
-
-/// The selection with a rival in the place of one of its effects, fitted, one for each rival. The effect that
-/// went is a rival then, unless two have come.
-std::vector<Selection> withRivals(ModelFitter& fitter, const Atoms& atoms, const Selection& selection);
 
 }  // namespace patella::diagnose

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "tools/diagnose/search/exchange.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
-#include "tools/diagnose/search/rivals.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/dependence.hpp"
 
