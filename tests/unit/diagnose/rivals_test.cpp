@@ -54,7 +54,11 @@ class Claimed {
 
   const Selection& judgedBy(const Dataset* heldout) {
     const double unit = redundancy(data_, selection_.fit, 1);
-    findRivals(fitter_, atoms_, {.unit = unit, .seed = 1, .heldout = heldout}, selection_);
+    for (bool may_exchange = true;
+         findRivals(fitter_, atoms_,
+                    {.unit = unit, .seed = 1, .heldout = heldout, .may_exchange = may_exchange}, selection_);
+         may_exchange = false) {
+    }
     return selection_;
   }
 

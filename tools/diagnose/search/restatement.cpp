@@ -31,15 +31,10 @@ class Restatement {
         selection_(selection) {}
 
   void run() {
-    while (simplify()) {
+    while (simplify() || levelOut() || unite("coulomb_friction", "torque_bias", "asymmetric_friction") ||
+           unite("coulomb_friction", "stribeck_friction", "stribeck_friction") ||
+           unite("stribeck_friction", "torque_bias", "asymmetric_friction")) {
     }
-    unite("coulomb_friction", "torque_bias", "asymmetric_friction");
-    unite("coulomb_friction", "stribeck_friction", "stribeck_friction");
-    restateFriction();
-    unite("stribeck_friction", "torque_bias", "asymmetric_friction");
-    while (simplify()) {
-    }
-    levelOut();
     findPlainFriction();
   }
 
@@ -156,9 +151,7 @@ class Restatement {
   std::optional<std::size_t> found(std::string_view kind, int joint) const {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       const Term& term = selection_.fit.terms[t];
-      // A coulomb_friction with a shape of its own is another.
-      const bool plain = term.recipe->nonlinear.empty() || kind != "coulomb_friction";
-      if (!term.declared && plain && term.recipe->kind == kind && term.recipe->joint == joint) {
+      if (!term.declared && term.recipe->kind == kind && term.recipe->joint == joint) {
         return t;
       }
     }
@@ -167,8 +160,9 @@ class Restatement {
 
   // Two findings that are one. Dry friction and a bias are dry friction of two levels, but for how it turns
   // round near rest, where nothing is measured well; the peak of Stribeck's is there, too. Dry friction and
-  // what comes on top of it near rest are Stribeck's. Two that say more stay a possibility.
-  void unite(std::string_view first, std::string_view second, std::string_view both) {
+  // what comes on top of it near rest are Stribeck's. Two that say more stay a possibility. False where
+  // nothing is to be united.
+  bool unite(std::string_view first, std::string_view second, std::string_view both) {
     for (const Atom& atom : atoms_.items) {
       const Recipe& recipe = *atom.recipe;
       if (recipe.kind != both || recipe.coefficients() != 2) {
@@ -197,57 +191,15 @@ class Restatement {
       if (says_more) {
         nameRival(fmt::format("{}+{}@{}", first, second, recipe.joint + 1));
       }
+      return true;
     }
-  }
-
-  // Two levels of friction that were found before Stribeck's peak may have stood for it: Stribeck's friction
-  // beside a bias and viscous friction, or without, takes their place where it says about the same in no more
-  // words.
-  void restateFriction() {
-    for (const Atom& stribeck : atoms_.items) {
-      if (stribeck.recipe->kind != "stribeck_friction") {
-        continue;
-      }
-      const auto levels = found("asymmetric_friction", stribeck.recipe->joint);
-      const auto peak = found("stribeck_friction", stribeck.recipe->joint);
-      if (!levels || !peak) {
-        continue;
-      }
-      const auto [low, high] = std::minmax(*levels, *peak);
-      const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
-      const std::vector<double> place = selection_.fit.terms[*peak].nu;
-      std::optional<ModelFit> best = added(without(low, high), stribeck, place);
-      if (!best) {
-        continue;
-      }
-      for (bool more = true; more;) {
-        more = false;
-        for (const Atom& atom : atoms_.items) {
-          if (atom.recipe->joint != stribeck.recipe->joint || !atom.recipe->nonlinear.empty() ||
-              (atom.recipe->kind != "viscous_friction" && atom.recipe->kind != "torque_bias")) {
-            continue;
-          }
-          // Without the other effect the peak may have run away.
-          ModelFit again = *best;
-          for (Term& term : again.terms) {
-            term.nu = term.recipe->label() == stribeck.recipe->label() ? place : term.nu;
-          }
-          std::optional<ModelFit> larger = added(again, atom, atom.nu);
-          if (larger && worth(*larger) < worth(*best)) {
-            best = std::move(larger);
-            more = true;
-          }
-        }
-      }
-      if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
-        adopt(selection_, std::move(*best), {.p_value = p_value, .gain = 0.0, .rivals = {}});
-      }
-    }
+    return false;
   }
 
   // Friction of two levels that may as well be one is dry friction: a person's mean push moves one level up
-  // and the other down, which counts for more than the information criterion knows.
-  void levelOut() {
+  // and the other down, which counts for more than the information criterion knows. False where there is
+  // none.
+  bool levelOut() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       const Term& term = selection_.fit.terms[t];
       if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() != 2) {
@@ -267,8 +219,10 @@ class Restatement {
       if (level && level->at_edge.empty()) {
         adopt(selection_, std::move(*level),
               {.p_value = selection_.evidence[t].p_value, .gain = 0.0, .rivals = {}});
+        return true;
       }
     }
+    return false;
   }
 
   // Without a shape of its own.

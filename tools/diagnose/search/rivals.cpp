@@ -18,8 +18,6 @@ namespace patella::diagnose {
 namespace {
 
 constexpr int kRivalReplicates = 99;
-/// Effects that a rival may take the place of, one after the other.
-constexpr int kMostExchanges = 3;
 
 /// Data shared by the search for rivals of one found effect.
 class RivalSearch {
@@ -224,9 +222,9 @@ class RivalSearch {
   Prediction prediction_;
 };
 
-// False where a rival has taken the place of a found effect: all others have to be compared anew then.
-bool addRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, bool may_exchange,
-               Selection& selection) {
+}  // namespace
+
+bool findRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, Selection& selection) {
   std::vector<Evidence> evidence = selection.evidence;
   for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
     if (selection.fit.terms[t].declared) {
@@ -235,9 +233,9 @@ bool addRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& opti
     const ModelFit smaller = fitter.fit(withoutTerm(selection.fit, t), *selection.fit.weighting);
     RivalSearch search(fitter, selection.fit, smaller, t, options);
     RivalSearch::Found found = search.find(atoms);
-    if (found.better && may_exchange) {
+    if (found.better && options.heldout != nullptr && options.may_exchange) {
       exchange(fitter, std::move(*found.better), t, selection);
-      return false;
+      return true;
     }
     evidence[t].gain = search.gain();
     auto& known = evidence[t].rivals;
@@ -248,16 +246,7 @@ bool addRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& opti
     }
   }
   selection.evidence = std::move(evidence);
-  return true;
-}
-
-}  // namespace
-
-void findRivals(ModelFitter& fitter, const Atoms& atoms, const RivalOptions& options, Selection& selection) {
-  for (int exchanges = 0; !addRivals(fitter, atoms, options,
-                                     options.heldout != nullptr && exchanges < kMostExchanges, selection);) {
-    ++exchanges;
-  }
+  return false;
 }
 
 }  // namespace patella::diagnose

@@ -25,6 +25,9 @@ namespace {
 constexpr const char* kUnsteady = "cross-validation";
 constexpr const char* kUnstable = "stability";
 
+/// Effects that a rival may take the place of, one after the other.
+constexpr int kMostExchanges = 3;
+
 // Margin above which a candidate's p (exceedance) is below `level`. `chance` is sorted.
 double leastMargin(const std::vector<double>& chance, double level) {
   const auto draws = static_cast<double>(chance.size());
@@ -45,9 +48,18 @@ class Selector {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
     }
-    restate(fitter_, atoms_, {.unit = unit_, .replicates = options_.replicates, .seed = options_.seed},
-            result_);
-    findRivals(fitter_, atoms_, {.unit = unit_, .seed = options_.seed, .heldout = options_.heldout}, result_);
+    for (int exchanges = 0;; ++exchanges) {
+      restate(fitter_, atoms_, {.unit = unit_, .replicates = options_.replicates, .seed = options_.seed},
+              result_);
+      if (!findRivals(fitter_, atoms_,
+                      {.unit = unit_,
+                       .seed = options_.seed,
+                       .heldout = options_.heldout,
+                       .may_exchange = exchanges < kMostExchanges},
+                      result_)) {
+        break;
+      }
+    }
     return std::move(result_);
   }
 
