@@ -16,9 +16,9 @@ struct RestateOptions {
   std::uint64_t seed = 1;
 };
 
-/// Puts special cases in the place of what contains them, one effect in the place of two that are one, and
-/// Stribeck's friction in the place of two levels that stood for it, wherever the information criterion does
-/// not speak against it; and one level of friction in the place of two that may be equal.
+/// Puts special cases in the place of what contains them where the information criterion does not speak
+/// against it, one level of friction in the place of two that may be equal, and one effect in the place of
+/// two that differ from it near rest only; again and again, until nothing changes.
 void restate(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection);
 
 /// The selection with a special case in the place of a found effect, which stays beside it as a rival: the
