@@ -31,7 +31,8 @@ class Restatement {
         selection_(selection) {}
 
   void run() {
-    while (simplify() || levelOut() || unite("coulomb_friction", "torque_bias", "asymmetric_friction") ||
+    while (simplify() || levelOut() || restateFriction() ||
+           unite("coulomb_friction", "torque_bias", "asymmetric_friction") ||
            unite("coulomb_friction", "stribeck_friction", "stribeck_friction") ||
            unite("stribeck_friction", "torque_bias", "asymmetric_friction")) {
     }
@@ -192,6 +193,53 @@ class Restatement {
         nameRival(fmt::format("{}+{}@{}", first, second, recipe.joint + 1));
       }
       return true;
+    }
+    return false;
+  }
+
+  // Two levels of friction that were found before Stribeck's peak may have stood for it: Stribeck's friction
+  // beside a bias and viscous friction, or without, takes their place where it says about the same in no more
+  // words. False where there is none.
+  bool restateFriction() {
+    for (const Atom& stribeck : atoms_.items) {
+      if (stribeck.recipe->kind != "stribeck_friction") {
+        continue;
+      }
+      const auto levels = found("asymmetric_friction", stribeck.recipe->joint);
+      const auto peak = found("stribeck_friction", stribeck.recipe->joint);
+      if (!levels || !peak) {
+        continue;
+      }
+      const auto [low, high] = std::minmax(*levels, *peak);
+      const double p_value = std::max(selection_.evidence[low].p_value, selection_.evidence[high].p_value);
+      const std::vector<double> place = selection_.fit.terms[*peak].nu;
+      std::optional<ModelFit> best = added(without(low, high), stribeck, place);
+      if (!best) {
+        continue;
+      }
+      for (bool more = true; more;) {
+        more = false;
+        for (const Atom& atom : atoms_.items) {
+          if (atom.recipe->joint != stribeck.recipe->joint || !atom.recipe->nonlinear.empty() ||
+              (atom.recipe->kind != "viscous_friction" && atom.recipe->kind != "torque_bias")) {
+            continue;
+          }
+          // Without the other effect the peak may have run away.
+          ModelFit again = *best;
+          for (Term& term : again.terms) {
+            term.nu = term.recipe->label() == stribeck.recipe->label() ? place : term.nu;
+          }
+          std::optional<ModelFit> larger = added(again, atom, atom.nu);
+          if (larger && worth(*larger) < worth(*best)) {
+            best = std::move(larger);
+            more = true;
+          }
+        }
+      }
+      if (best->at_edge.empty() && worth(*best) <= worth(selection_.fit) + unit_) {
+        adopt(selection_, std::move(*best), {.p_value = p_value, .gain = 0.0, .rivals = {}});
+        return true;
+      }
     }
     return false;
   }
