@@ -20,6 +20,10 @@
 namespace patella::diagnose {
 namespace {
 
+/// A few effects are restated in a few changes. More would be two ways to say the same, each of which the
+/// other one follows.
+constexpr int kMostChanges = 30;
+
 class Restatement {
  public:
   Restatement(ModelFitter& fitter, const Atoms& atoms, const RestateOptions& options, Selection& selection)
@@ -31,10 +35,7 @@ class Restatement {
         selection_(selection) {}
 
   void run() {
-    while (simplify() || levelOut() || restateFriction() ||
-           unite("coulomb_friction", "torque_bias", "asymmetric_friction") ||
-           unite("coulomb_friction", "stribeck_friction", "stribeck_friction") ||
-           unite("stribeck_friction", "torque_bias", "asymmetric_friction")) {
+    for (int changes = 0; changes < kMostChanges && changeOne(); ++changes) {
     }
     findPlainFriction();
   }
@@ -77,6 +78,14 @@ class Restatement {
         use(std::move(*simple));
       }
     }
+  }
+
+  // False where nothing is to be changed.
+  bool changeOne() {
+    return simplify() || levelOut() || restateFriction() ||
+           unite("coulomb_friction", "torque_bias", "asymmetric_friction") ||
+           unite("coulomb_friction", "stribeck_friction", "stribeck_friction") ||
+           unite("stribeck_friction", "torque_bias", "asymmetric_friction");
   }
 
   // Puts a special case in the place of what contains it, where the rest is not worth its parameters, or
