@@ -186,6 +186,14 @@ TEST_CASE("every kind can be drawn and leaves the robot under control") {
   }
 }
 
+TEST_CASE("a robot that runs away, though it lacks nothing, is drawn anew") {
+  const Case drawn = drawCase(1007000172, Suite::kNone,
+                              {.effect = {}, .mechanism = "chain", .motion = "multisine", .joints = 7});
+  CHECK(drawn.run.stable);
+  CHECK(drawn.effects.empty());
+  CHECK(drawn.rig.body.joints() == 7);
+}
+
 TEST_CASE("a wish that cannot be met is refused by name") {
   CHECK_THROWS_WITH_AS(drawCase(1, Suite::kSingle, {.effect = "cubic_drag", .mechanism = {}, .motion = {}}),
                        doctest::Contains("cubic_drag"), std::invalid_argument);

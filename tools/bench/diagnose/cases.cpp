@@ -130,13 +130,13 @@ std::vector<TrueEffect> effectsOf(const Case& drawn) {
   return effects;
 }
 
-// Two effects that a rig bears one by one may be too much together.
-void simulateCase(Case& drawn) {
+// Two effects that a rig bears one by one may be too much together. False where even a little of them is.
+bool simulateCase(Case& drawn) {
   constexpr int kTries = 6;
   for (int attempt = 0; attempt < kTries; ++attempt) {
     drawn.run = simulate(drawn.rig, effectsOf(drawn));
     if (drawn.run.stable) {
-      return;
+      return true;
     }
     for (CaseEffect& effect : drawn.effects) {
       effect.effect = scaled(effect.effect, 0.5);
@@ -144,7 +144,7 @@ void simulateCase(Case& drawn) {
       effect.raw_strength *= 0.5;
     }
   }
-  throw std::runtime_error("case " + std::to_string(drawn.seed) + ": the robot runs away");
+  return false;
 }
 
 // Attempts of one case differ in everything that is drawn.
@@ -153,13 +153,17 @@ std::uint64_t seedOf(const Case& drawn, std::uint64_t attempt) {
   return drawn.seed + (attempt << 40U);
 }
 
+void drawRigOf(Case& drawn, const Wish& wish, std::uint64_t seed) {
+  drawn.mechanism = wish.mechanism;
+  drawn.motion = wish.motion;
+  drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion, wish.joints);
+}
+
 // Draws a rig and its effects. False where the way does not show an effect: play in a gear that gravity keeps
 // on one side, a spring that is no more than the rotor behind it.
 bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
-  drawn.mechanism = wish.mechanism;
-  drawn.motion = wish.motion;
   drawn.effects.clear();
-  drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion, wish.joints);
+  drawRigOf(drawn, wish, seed);
   Random random(seed, 200);
   const bool two = drawn.suite == Suite::kDouble;
   while (drawn.effects.size() < (two ? 2U : 1U)) {
@@ -249,24 +253,26 @@ Case drawCase(std::uint64_t seed, Suite suite, const Wish& wish) {
   Case drawn;
   drawn.seed = seed;
   drawn.suite = suite;
-  if (suite == Suite::kNone) {
-    drawn.mechanism = wish.mechanism;
-    drawn.motion = wish.motion;
-    drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion, wish.joints);
-  } else {
-    std::uint64_t attempt = 0;
-    while (!tryEffects(drawn, wish, seedOf(drawn, attempt))) {
-      if (++attempt == kAttempts) {
-        throw std::invalid_argument("effect '" + wish.effect + "' is unknown to suite " +
-                                    std::string(suiteName(suite)) + ", or shows on no joint of " +
-                                    (wish.mechanism.empty() ? "any machine" : wish.mechanism));
-      }
+  bool runs_away = false;
+  for (std::uint64_t attempt = 0; attempt < kAttempts; ++attempt) {
+    if (suite == Suite::kNone) {
+      drawRigOf(drawn, wish, seedOf(drawn, attempt));
+    } else if (!tryEffects(drawn, wish, seedOf(drawn, attempt))) {
+      continue;
     }
+    if (simulateCase(drawn)) {
+      drawn.run.recording.name = std::string(suiteName(suite)) + "-" + std::to_string(seed);
+      drawn.nominal = nominalModel(drawn.rig);
+      return drawn;
+    }
+    runs_away = true;
   }
-  simulateCase(drawn);
-  drawn.run.recording.name = std::string(suiteName(suite)) + "-" + std::to_string(seed);
-  drawn.nominal = nominalModel(drawn.rig);
-  return drawn;
+  if (runs_away) {
+    throw std::runtime_error("case " + std::to_string(seed) + ": the robot runs away");
+  }
+  throw std::invalid_argument("effect '" + wish.effect + "' is unknown to suite " +
+                              std::string(suiteName(suite)) + ", or shows on no joint of " +
+                              (wish.mechanism.empty() ? "any machine" : wish.mechanism));
 }
 
 }  // namespace patella::bench
