@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "tools/diagnose/effects/relations.hpp"
@@ -16,9 +17,8 @@ std::optional<ModelFit> withEffect(ModelFitter& fitter, const Atoms& atoms, cons
                                    const std::string& label) {
   std::optional<ModelFit> best;
   for (const Atom& atom : atoms.items) {
-    std::optional<ModelFit> start = atom.recipe != nullptr && atom.label == label
-                                        ? withCandidate(fitter, smaller, atom, Screened{})
-                                        : std::nullopt;
+    std::optional<ModelFit> start =
+        atom.label == label ? withCandidate(fitter, smaller, atom, Screened{}) : std::nullopt;
     if (!start) {
       continue;
     }
