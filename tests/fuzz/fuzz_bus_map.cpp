@@ -13,7 +13,7 @@
 #include "drivers/can/measurement_decoder.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace {
 
@@ -78,8 +78,7 @@ void requireZero(const app::BusDescription& bus, const can::CommandEncoder& enco
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::filesystem::path dbc =
-      std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc";
+  static const std::filesystem::path dbc = checkout::source() / "drivers/can/patella.dbc";
   try {
     const app::BusDescription bus =
         app::parseBusDescription(fuzz::expanded(fuzz::text(data, size)), "fuzz.toml", dbc);

@@ -5,7 +5,7 @@
 #include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/configuration/run_config.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace {
 
@@ -13,7 +13,7 @@ namespace {
 class Folder {
  public:
   Folder() {
-    const std::filesystem::path config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+    const std::filesystem::path config = checkout::source() / "firmware_app/config";
     for (const char* name : {"models", "can", "references"}) {
       std::filesystem::create_directory_symlink(config / name, folder_ / name);
     }

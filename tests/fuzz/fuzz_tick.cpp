@@ -9,8 +9,8 @@
 
 #include "drivers/can/crc8.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/tick_under_test.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace {
 
@@ -22,7 +22,7 @@ constexpr std::size_t kFrameBytes = 11;
 const app::RunConfig& configuration() {
   static const app::RunConfig config = [] {
     app::CommandLine line;
-    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+    line.config = checkout::source() / "firmware_app/config/adult.toml";
     app::RunConfig loaded = app::loadRunConfig(line);
     loaded.tick.healthy_ticks = 5;
     loaded.rig.operator_buttons.enable_at_s = 0.02;

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace {
 constexpr int kSkipped = 77;
@@ -15,8 +15,9 @@ constexpr int kSkipped = 77;
 
 int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--needs-data") == 0 && !std::filesystem::is_directory(PATELLA_DATA_DIR)) {
-      std::printf("SKIPPED: the recordings are not at %s\n", PATELLA_DATA_DIR);
+    if (std::strcmp(argv[i], "--needs-data") == 0 &&
+        !std::filesystem::is_directory(patella::checkout::recordings())) {
+      std::printf("SKIPPED: the recordings are not at %s\n", patella::checkout::recordings().c_str());
       return kSkipped;
     }
   }

@@ -7,9 +7,9 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -17,8 +17,8 @@ using nlohmann::json;
 
 namespace {
 
-const std::string kConfigurations = PATELLA_SOURCE_DIR "/firmware_app/config/";
-const std::string kRig = PATELLA_SOURCE_DIR "/tools/studies/circle/two_legs/coulomb_right_knee.toml";
+const std::string kConfigurations = checkout::source() / "firmware_app/config/";
+const std::string kRig = checkout::source() / "tools/studies/circle/two_legs/coulomb_right_knee.toml";
 constexpr int kRightKnee = 3;
 
 void run(const std::filesystem::path& out, std::vector<std::string> more) {
@@ -27,7 +27,7 @@ void run(const std::filesystem::path& out, std::vector<std::string> more) {
       "--rig-model", kRig,       "--clock",
       "virtual",     "--out",    out.string()};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  const Outcome outcome = runProgram(PATELLA_EXECUTABLE, arguments);
+  const Outcome outcome = runProgram(checkout::build() / "firmware_app/patella", arguments);
   INFO(outcome.errors);
   REQUIRE(outcome.exit_status == 0);
 }
@@ -43,10 +43,10 @@ TEST_CASE(
     "better") {
   const ScratchFolder folder;
   run(folder / "recorded", {"--duration", "25"});
-  const Outcome diagnosed =
-      runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--model", kConfigurations + "models/two_legs.toml", "--data",
-                                               (folder / "recorded").string(), "--out",
-                                               (folder / "diagnosis").string(), "--replicates", "299"});
+  const Outcome diagnosed = runProgram(
+      checkout::build() / "tools/diagnose/patella-diagnose",
+      {"--model", kConfigurations + "models/two_legs.toml", "--data", (folder / "recorded").string(), "--out",
+       (folder / "diagnosis").string(), "--replicates", "299"});
   INFO(diagnosed.errors);
   REQUIRE(diagnosed.exit_status == 0);
 

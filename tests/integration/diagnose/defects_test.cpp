@@ -6,8 +6,8 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/integration/diagnose/diagnose_process.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -130,7 +130,7 @@ TEST_CASE("a recording that is damaged") {
 TEST_CASE("a log of frames with the wrong description") {
   const Bench bench;
   bench.write("run.log", "(1700000000.000000) can0 110#0000000000000000\n");
-  const std::string dbc = PATELLA_SOURCE_DIR "/drivers/can/patella.dbc";
+  const std::string dbc = checkout::source() / "drivers/can/patella.dbc";
   const std::vector<std::string> log{"--data", bench.file("run.log")};
   bench.expectRefused(log, {"run.log: is a log of frames", "--dbc"});
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", bench.file("none.dbc")}, {"none.dbc"});
@@ -138,7 +138,7 @@ TEST_CASE("a log of frames with the wrong description") {
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", bench.file("broken.dbc")}, {"broken.dbc:"});
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc},
                       {"run.log: the bus map does not suit a model of one joint", "position_rad.2"});
-  bench.write("model.toml", app::readFile(PATELLA_SOURCE_DIR "/firmware_app/config/models/adult.toml",
+  bench.write("model.toml", app::readFile(checkout::source() / "firmware_app/config/models/adult.toml",
                                           files::kRecordingText));
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc}, {"run.log: no complete measurement"});
   bench.write("run.log", "(1700000000.000000) can0 nonsense\n");

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/checkout/checkout.hpp"
+
 namespace patella::test {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double kGravity_m_s2 = 9.81;
 }  // namespace
 
 Outcome diagnose(const std::vector<std::string>& arguments) {
-  return runProgram(PATELLA_DIAGNOSE_EXECUTABLE, arguments);
+  return runProgram(checkout::build() / "tools/diagnose/patella-diagnose", arguments);
 }
 
 std::string kneeCsv(double loss_Nm, double duration_s, double start_s) {

@@ -5,8 +5,8 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tests/integration/diagnose/diagnose_process.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -55,15 +55,15 @@ TEST_CASE("a knee that rubs: page, numbers and a model that loads; the same agai
 
 TEST_CASE("a run of the loop, from its folder and from its log") {
   const ScratchFolder folder;
-  const std::string config = PATELLA_SOURCE_DIR "/firmware_app/config/adult.toml";
-  const Outcome loop =
-      runProgram(PATELLA_EXECUTABLE, {"run", "--config", config, "--clock", "virtual", "--duration", "9",
-                                      "--out", (folder / "run").string()});
+  const std::string config = checkout::source() / "firmware_app/config/adult.toml";
+  const Outcome loop = runProgram(checkout::build() / "firmware_app/patella",
+                                  {"run", "--config", config, "--clock", "virtual", "--duration", "9",
+                                   "--out", (folder / "run").string()});
   INFO(loop.errors);
   REQUIRE(loop.exit_status == 0);
   const auto errors = [&](const std::vector<std::string>& data, const char* out) {
     std::vector<std::string> arguments{
-        "--model",      PATELLA_SOURCE_DIR "/firmware_app/config/models/adult.toml",
+        "--model",      checkout::source() / "firmware_app/config/models/adult.toml",
         "--out",        (folder / out).string(),
         "--replicates", "299",
         "--effects",    "coulomb_friction,linear_stiffness",
@@ -77,7 +77,7 @@ TEST_CASE("a run of the loop, from its folder and from its log") {
   };
   const json from_table = errors({(folder / "run").string()}, "table");
   const json from_log = errors(
-      {(folder / "run/frames.log").string(), "--dbc", PATELLA_SOURCE_DIR "/drivers/can/patella.dbc"}, "log");
+      {(folder / "run/frames.log").string(), "--dbc", checkout::source() / "drivers/can/patella.dbc"}, "log");
   for (std::size_t joint = 0; joint < 2; ++joint) {
     CHECK(from_log[joint].get<double>() == doctest::Approx(from_table[joint].get<double>()).epsilon(0.01));
   }

@@ -8,12 +8,12 @@
 #include "drivers/gpio/pins.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/drive_ranges.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::test {
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+const std::filesystem::path kConfig = checkout::source() / "firmware_app/config";
 
 void replace(std::string& text, const std::string& from, const std::string& to) {
   std::size_t at = text.find(from);

@@ -14,8 +14,8 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tests/integration/drives/drive_rig.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/sanitized.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -29,7 +29,7 @@ constexpr std::uint8_t kRight = 1;
 
 app::RunConfig twoLegs(double duration_s) {
   app::CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/two_legs.toml";
+  line.config = checkout::source() / "firmware_app/config/two_legs.toml";
   line.clock = "virtual";
   line.duration_s = duration_s;
   return app::loadRunConfig(line);
@@ -128,7 +128,7 @@ TEST_CASE("two legs: recorded joint by joint with what the rig knows of them, an
 TEST_CASE("two legs: poses drawn of four joints find the inertias that a grid of each leg's two finds") {
   const std::vector<app::JointStability> both = app::jointStability(twoLegs(1.0));
   app::CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.config = checkout::source() / "firmware_app/config/adult.toml";
   const std::vector<app::JointStability> one = app::jointStability(app::loadRunConfig(line));
   REQUIRE(both.size() == kJoints);
   for (std::size_t joint = 0; joint < kJoints; ++joint) {

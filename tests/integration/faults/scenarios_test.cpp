@@ -6,11 +6,11 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/paths.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tools/bench/faults/campaign.hpp"
 #include "tools/bench/faults/expectation.hpp"
 #include "tools/bench/faults/scenario.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using sim::FaultEvent;
@@ -20,7 +20,7 @@ namespace {
 
 app::RunConfig base() {
   app::CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.config = checkout::source() / "firmware_app/config/adult.toml";
   line.backend = "sim";
   return app::loadRunConfig(line);
 }

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::test {
 namespace {
@@ -62,7 +62,7 @@ void expectRefusals(const std::vector<Case>& cases, Commands commands) {
 }  // namespace
 
 Workshop::Workshop() {
-  const fs::path source = PATELLA_SOURCE_DIR;
+  const fs::path source = checkout::source();
   for (const char* folder : {"firmware_app/config", "drivers/can"}) {
     fs::create_directories(file(folder));
   }
@@ -93,7 +93,7 @@ void Workshop::replace(std::string_view name, std::string_view from, std::string
 }
 
 Outcome Workshop::patella(const std::vector<std::string>& arguments) const {
-  return runProgram(PATELLA_EXECUTABLE, arguments);
+  return runProgram(checkout::build() / "firmware_app/patella", arguments);
 }
 
 Damage replaced(std::string name, std::string from, std::string to) {

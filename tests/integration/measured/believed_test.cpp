@@ -11,7 +11,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/recordings/recording_file.hpp"
 
@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kSource(PATELLA_SOURCE_DIR);
+const fs::path kSource(checkout::source());
 const fs::path kMaps = kSource / "tools/diagnose/maps";
-const fs::path kData(PATELLA_DATA_DIR);
+const fs::path kData(checkout::recordings());
 
 struct Rig {
   const char* folder;

@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/search/estimates.hpp"
@@ -25,9 +25,9 @@ using diagnose::Verdict;
 
 namespace {
 
-const std::filesystem::path kSource(PATELLA_SOURCE_DIR);
+const std::filesystem::path kSource(checkout::source());
 const std::filesystem::path kMaps = kSource / "tools/diagnose/maps";
-const std::filesystem::path kData(PATELLA_DATA_DIR);
+const std::filesystem::path kData(checkout::recordings());
 
 std::vector<diagnose::Recording> load(const std::vector<std::string>& files, const char* map, int joints) {
   std::vector<diagnose::Recording> recordings;

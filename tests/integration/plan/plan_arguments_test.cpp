@@ -7,6 +7,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 
@@ -63,7 +64,8 @@ TEST_CASE("wrong arguments are refused by name, and leave nothing behind") {
        }) {
     std::vector<std::string> arguments{"--plan", "--out", (folder.path() / "plan").string()};
     arguments.insert(arguments.end(), refused.arguments.begin(), refused.arguments.end());
-    const test::Outcome outcome = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, arguments);
+    const test::Outcome outcome =
+        test::runProgram(checkout::build() / "tools/diagnose/patella-diagnose", arguments);
     CAPTURE(refused.because);
     CAPTURE(outcome.errors);
     CHECK(outcome.exit_status == 1);
@@ -76,7 +78,7 @@ TEST_CASE("limits of the command line do without a configuration") {
   const test::ScratchFolder folder;
   app::writeFile(folder.path() / "knee.toml", kKnee);
   const test::Outcome outcome =
-      test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE,
+      test::runProgram(checkout::build() / "tools/diagnose/patella-diagnose",
                        {"--plan", "--model", (folder.path() / "knee.toml").string(), "--q-min", "-2",
                         "--q-max", "0.2", "--velocity", "4", "--torque-limit", "30", "--effects", "none",
                         "--evaluations", "200", "--out", (folder.path() / "plan").string()});
@@ -94,12 +96,14 @@ TEST_CASE("limits of the command line do without a configuration") {
 }
 
 TEST_CASE("--help has the options of a plan") {
-  const test::Outcome whole = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--help"});
+  const test::Outcome whole =
+      test::runProgram(checkout::build() / "tools/diagnose/patella-diagnose", {"--help"});
   CHECK(whole.exit_status == 0);
   CHECK(whole.output.find("--torque-limit") != std::string::npos);
   CHECK(whole.output.find("Exit status: 0 where a verdict was given, whatever it is; 1 after an error.") !=
         std::string::npos);
-  const test::Outcome plan = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, {"--plan", "--help"});
+  const test::Outcome plan =
+      test::runProgram(checkout::build() / "tools/diagnose/patella-diagnose", {"--plan", "--help"});
   CHECK(plan.exit_status == 0);
   CHECK(plan.output.find("--torque-limit") != std::string::npos);
   CHECK(plan.output.find("--holdout") == std::string::npos);

@@ -10,16 +10,16 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/json_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kConfigs = fs::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+const fs::path kConfigs = checkout::source() / "firmware_app/config";
 
 void replace(std::string& text, const std::string& old, const std::string& by) {
   const std::size_t at = text.find(old);
@@ -40,14 +40,16 @@ fs::path quietRig(const fs::path& folder) {
 }
 
 nlohmann::json recordedAndDiagnosed(const fs::path& rig, const fs::path& reference, const fs::path& run) {
-  const test::Outcome recorded = test::runProgram(
-      PATELLA_EXECUTABLE, {"run", "--config", rig.string(), "--clock", "virtual", "--duration", "21",
-                           "--reference", reference.string(), "--out", run.string()});
+  const test::Outcome recorded =
+      test::runProgram(checkout::build() / "firmware_app/patella",
+                       {"run", "--config", rig.string(), "--clock", "virtual", "--duration", "21",
+                        "--reference", reference.string(), "--out", run.string()});
   CAPTURE(recorded.errors);
   REQUIRE(recorded.exit_status == 0);
-  const test::Outcome diagnosed = test::runProgram(
-      PATELLA_DIAGNOSE_EXECUTABLE, {"--model", (kConfigs / "models/adult.toml").string(), "--data",
-                                    run.string(), "--out", (run / "diagnosis").string()});
+  const test::Outcome diagnosed =
+      test::runProgram(checkout::build() / "tools/diagnose/patella-diagnose",
+                       {"--model", (kConfigs / "models/adult.toml").string(), "--data", run.string(), "--out",
+                        (run / "diagnosis").string()});
   CAPTURE(diagnosed.errors);
   REQUIRE(diagnosed.exit_status == 0);
   nlohmann::json diagnosis = app::loadJson(run / "diagnosis/diagnosis.json");
@@ -108,7 +110,8 @@ TEST_CASE("a motion that was too poor is repaired by the plan that its diagnosis
   REQUIRE(before["verdict"] == "insufficient_excitation");
 
   const std::vector<std::string> arguments = argumentsOf(before["plan_command"], rig);
-  const test::Outcome planned = test::runProgram(PATELLA_DIAGNOSE_EXECUTABLE, arguments);
+  const test::Outcome planned =
+      test::runProgram(checkout::build() / "tools/diagnose/patella-diagnose", arguments);
   CAPTURE(planned.errors);
   REQUIRE(planned.exit_status == 0);
   CHECK(planned.output.find("coulomb friction") != std::string::npos);

@@ -8,8 +8,8 @@
 
 #include "drivers/can/crc8.hpp"
 #include "sim/rig.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/tick_under_test.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 
@@ -17,7 +17,7 @@ namespace {
 
 app::RunConfig demonstration() {
   app::CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.config = checkout::source() / "firmware_app/config/adult.toml";
   line.clock = "virtual";
   app::RunConfig config = app::loadRunConfig(line);
   config.tick.healthy_ticks = 10;

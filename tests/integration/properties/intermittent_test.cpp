@@ -20,8 +20,8 @@
 #include "drivers/can/bad_frames.hpp"
 #include "firmware_app/loop/lateness.hpp"
 #include "firmware_app/loop/loop.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/unit/safety/safety_fixture.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::safety;
@@ -151,7 +151,7 @@ std::string tableRow(const Row& row) {
 }
 
 std::vector<std::string> documented() {
-  std::ifstream stream(std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/safety.md");
+  std::ifstream stream(checkout::source() / "docs/safety.md");
   std::vector<std::string> lines;
   bool inside = false;
   for (std::string line; std::getline(stream, line);) {

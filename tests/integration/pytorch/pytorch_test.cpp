@@ -7,14 +7,14 @@
 #include "core/network/attention_lstm.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 
 TEST_CASE("the documentation's script saves what the loop loads, and both say the same") {
   const test::ScratchFolder folder;
-  const std::string project = PATELLA_SOURCE_DIR;
+  const std::string project = checkout::source();
   const std::string command = "/usr/bin/python3 '" + project + "/tests/integration/pytorch/reference.py' '" +
                               project + "/docs/network.md' '" + folder.path().string() + "'";
   REQUIRE(std::system(command.c_str()) == 0);  // NOLINT(concurrency-mt-unsafe)

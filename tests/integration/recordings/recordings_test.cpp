@@ -9,8 +9,8 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/csv_table.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/studies/recordings/emg_study.hpp"
 #include "tools/studies/recordings/pendulum_study.hpp"
 
@@ -25,7 +25,8 @@ class RunFolders {
 
  private:
   patella::test::ScratchFolder out_;
-  Folders folders_{.data = PATELLA_DATA_DIR, .project = PATELLA_SOURCE_DIR, .out = out_.path()};
+  Folders folders_{
+      .data = patella::checkout::recordings(), .project = patella::checkout::source(), .out = out_.path()};
 };
 
 double medianLead(const EmgStudy& study) {

@@ -11,13 +11,13 @@
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::test {
 
 app::RunConfig demonstration(double duration_s, const std::string& backend, const std::string& clock) {
   app::CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.config = checkout::source() / "firmware_app/config/adult.toml";
   line.backend = backend;
   line.clock = clock;
   line.duration_s = duration_s;

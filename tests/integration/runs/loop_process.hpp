@@ -10,7 +10,7 @@
 
 #include <sys/types.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/process/process.hpp"
 
 namespace patella::test {
@@ -19,8 +19,9 @@ namespace patella::test {
 /// takes its place.
 inline pid_t start(std::vector<std::string> arguments, const std::filesystem::path& said,
                    const std::function<void()>& prepare = {}) {
-  const std::string config = std::string(PATELLA_SOURCE_DIR) + "/firmware_app/config/adult.toml";
-  arguments.insert(arguments.begin(), {PATELLA_EXECUTABLE, "run", "--config", config});
+  const std::string config = checkout::source() / "firmware_app/config/adult.toml";
+  arguments.insert(arguments.begin(),
+                   {checkout::build() / "firmware_app/patella", "run", "--config", config});
   return process::start(arguments, {.output = said}, prepare);
 }
 

@@ -11,7 +11,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
 #include "tests/integration/runs/demonstration.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 
@@ -84,7 +84,7 @@ TEST_CASE("the paper's experiments run sampler and network, and end active") {
   for (const char* name : {"paper_experiment_1.toml", "paper_experiment_2.toml"}) {
     CAPTURE(name);
     app::CommandLine line;
-    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config" / name;
+    line.config = checkout::source() / "firmware_app/config" / name;
     line.clock = "virtual";
     line.duration_s = 4.0;
     const app::RunConfig config = app::loadRunConfig(line);

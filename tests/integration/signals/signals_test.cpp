@@ -16,7 +16,7 @@
 #include "drivers/process_signals.hpp"
 #include "firmware_app/realtime/signal_reactions.hpp"
 #include "tests/integration/signals/watched_run.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
@@ -171,7 +171,7 @@ std::string invariant(const std::string& row) {
 }
 
 std::vector<std::string> documentedRows() {
-  std::ifstream stream(std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/safety.md");
+  std::ifstream stream(checkout::source() / "docs/safety.md");
   std::vector<std::string> rows;
   bool inside = false;
   for (std::string line; std::getline(stream, line);) {

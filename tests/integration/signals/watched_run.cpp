@@ -23,7 +23,7 @@
 #include "firmware_app/recorder/run_account.hpp"
 #include "sim/rig_thread.hpp"
 #include "tests/support/fresh_signals.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::test {
 namespace {
@@ -162,7 +162,7 @@ int runLoop(Ledger& ledger) {
   g_ledger.store(&ledger);
   app::reactToSignals(end);
   app::CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.config = checkout::source() / "firmware_app/config/adult.toml";
   app::RunConfig config = app::loadRunConfig(line);
   constexpr double kPatience_s = 0.5;
   config.duration_s = 0.0;

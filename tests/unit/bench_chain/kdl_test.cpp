@@ -7,11 +7,11 @@
 
 #include "core/model/serial_chain.hpp"
 #include "firmware_app/files/urdf_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/unit/model/random_states.hpp"
 #include "tools/bench/chain/kdl_peer.hpp"
 #include "tools/bench/chain/robots.hpp"
 #include "tools/bench/diagnose/chain_body.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 
@@ -33,7 +33,7 @@ TEST_CASE(
   const Eigen::Vector3d bases[] = {{0.0, 0.0, -9.81}, {9.81, 0.0, 0.0}, {3.0, -7.0, 5.0}};
   for (const bench::Robot& robot : bench::robots()) {
     CAPTURE(robot.name);
-    const std::string text = bench::urdfText(std::filesystem::path(PATELLA_DATA_DIR) / "urdf", robot);
+    const std::string text = bench::urdfText(checkout::recordings() / "urdf", robot);
     for (const Eigen::Vector3d& gravity : bases) {
       const model::SerialChain chain(
           {.links = app::parseUrdfChain(text, robot.file, robot.base, robot.tip), .gravity_m_s2 = gravity});
@@ -69,7 +69,7 @@ TEST_CASE("the chain that diagnosis is judged with has the inertia and the torqu
   };
   for (const bench::Robot& robot : bench::robots()) {
     CAPTURE(robot.name);
-    const std::string text = bench::urdfText(std::filesystem::path(PATELLA_DATA_DIR) / "urdf", robot);
+    const std::string text = bench::urdfText(checkout::recordings() / "urdf", robot);
     bench::ChainBody chain(
         {.links = app::parseUrdfChain(text, robot.file, robot.base, robot.tip), .gravity_m_s2 = gravity});
     bench::KdlPeer kdl(text, robot.base, robot.tip, gravity);

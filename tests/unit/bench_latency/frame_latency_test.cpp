@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace {
 
@@ -18,8 +18,8 @@ can::Frame frame(std::uint32_t id, std::int64_t wall_ns) {
 }
 
 TEST_CASE("a torque frame answers the newest sensor frame, once") {
-  bench::FrameLatency latency(app::loadBusDescription(std::filesystem::path(PATELLA_SOURCE_DIR) /
-                                                      "firmware_app/config/can/patella.toml"));
+  bench::FrameLatency latency(
+      app::loadBusDescription(checkout::source() / "firmware_app/config/can/patella.toml"));
   constexpr std::uint32_t kEncoder1 = 272;
   constexpr std::uint32_t kEncoder2 = 273;
   constexpr std::uint32_t kEmg = 304;

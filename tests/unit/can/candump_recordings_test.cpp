@@ -9,12 +9,12 @@
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/replay_bus.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::can;
 
 namespace {
-const std::filesystem::path kVehicle = std::filesystem::path(PATELLA_DATA_DIR) / "can" / "vehicle_2p5s.log";
+const std::filesystem::path kVehicle = patella::checkout::recordings() / "can" / "vehicle_2p5s.log";
 }
 
 TEST_CASE("a vehicle's log is read in full and written back byte for byte") {

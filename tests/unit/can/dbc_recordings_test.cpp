@@ -11,7 +11,7 @@
 
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/signal_codec.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::can;
 
@@ -72,7 +72,7 @@ const std::map<std::string, Expected> kExpected = {
     {"vframeformat_int.dbc", {2, 2, ""}},
 };
 
-const std::filesystem::path kFolder = std::filesystem::path(PATELLA_DATA_DIR) / "can" / "dbc";
+const std::filesystem::path kFolder = patella::checkout::recordings() / "can" / "dbc";
 
 Frame frameOf(std::initializer_list<std::uint8_t> bytes) {
   Frame frame;

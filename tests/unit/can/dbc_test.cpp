@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::can;
 
@@ -29,7 +29,7 @@ std::string inMessage(const std::string& signals, const std::string& rest = "") 
 }  // namespace
 
 TEST_CASE("the rig's own description is read as it is written") {
-  const Database database = loadDbc(std::string(PATELLA_SOURCE_DIR) + "/drivers/can/patella.dbc");
+  const Database database = loadDbc(patella::checkout::source() / "drivers/can/patella.dbc");
   CHECK(database.version == "1");
   CHECK(database.nodes == std::vector<std::string>{"Controller", "Rig"});
   CHECK(database.messages.size() == 7);

@@ -13,7 +13,7 @@
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/signal_codec.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::can;
 
@@ -49,7 +49,7 @@ std::string mutate(std::string text, std::mt19937& random) {
 }  // namespace
 
 TEST_CASE("a damaged bus description is read or refused at a line, and what is read can be used") {
-  const std::string path = std::string(PATELLA_SOURCE_DIR) + "/drivers/can/patella.dbc";
+  const std::string path = patella::checkout::source() / "drivers/can/patella.dbc";
   std::ifstream stream(path, std::ios::binary);
   const std::string original{std::istreambuf_iterator<char>(stream), {}};
   REQUIRE(original.size() > 1000);

@@ -6,12 +6,12 @@
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/dbc.hpp"
 #include "drivers/can/message_codec.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::can::test {
 
 inline Database rigDatabase() {
-  return loadDbc(std::string(PATELLA_SOURCE_DIR) + "/drivers/can/patella.dbc");
+  return loadDbc(checkout::source() / "drivers/can/patella.dbc");
 }
 
 inline Protection protectionOf(const std::string& message) {

@@ -6,16 +6,15 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::canopen;
 
 namespace {
 
-const std::filesystem::path kShipped =
-    std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/can/cia402.eds";
+const std::filesystem::path kShipped = checkout::source() / "firmware_app/config/can/cia402.eds";
 
 std::string shipped() {
   std::ifstream stream(kShipped);

@@ -12,14 +12,14 @@
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/unit/model/chains.hpp"
 #include "tests/unit/network/random_network.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::test {
 namespace {
 
-const std::string kSource = PATELLA_SOURCE_DIR;
+const std::string kSource = checkout::source();
 
 const std::string kSampler = R"(
 observer = "implicit_sampler"

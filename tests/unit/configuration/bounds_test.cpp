@@ -22,9 +22,9 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/files/wording.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/configuration/bound_carriers.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -343,7 +343,7 @@ TEST_CASE("a run shorter than a tick is no run without an end") {
 }
 
 TEST_CASE("a bus map that says nothing of positions bounds them all the same") {
-  const std::string text = "dbc = \"" + std::string(PATELLA_SOURCE_DIR) +
+  const std::string text = "dbc = \"" + checkout::source().string() +
                            "/drivers/can/patella.dbc\"\n[command]\nmessage = \"TorqueCommand\"\n";
   const can::BusMap map = app::parseBusDescription(text, "map.toml").map;
   CHECK(map.position_min_rad == boundOf("checks.position_min_rad").minimum);
@@ -381,7 +381,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the document is what patella bounds prints") {
-  const auto path = std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/configuration.md";
+  const auto path = checkout::source() / "docs/configuration.md";
   CHECK_MESSAGE(app::readFile(path) == app::boundsDocument(),
                 "docs/configuration.md is out of date: patella bounds > docs/configuration.md");
 }

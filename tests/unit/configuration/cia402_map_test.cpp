@@ -11,16 +11,15 @@
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/file_error.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
 
 namespace {
 
-const std::filesystem::path kMap =
-    std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/can/cia402.toml";
+const std::filesystem::path kMap = checkout::source() / "firmware_app/config/can/cia402.toml";
 
 /// The shipped map with one place changed; what is said of it.
 std::string refusal(const std::string& from, const std::string& to) {
@@ -91,7 +90,7 @@ TEST_CASE("CiA 402: a map that is wrong is told of by line, key, value and what 
 TEST_CASE("CiA 402: drives that sample at SYNC have the loop's period, and one that they can be told") {
   const test::ScratchFolder folder;
   const auto load = [&folder](double rate_Hz, const std::string& period) -> std::string {
-    const std::filesystem::path config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+    const std::filesystem::path config = checkout::source() / "firmware_app/config";
     std::string map = readFile(kMap);
     const auto replace = [](std::string& text, const std::string& from, const std::string& to) {
       for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))

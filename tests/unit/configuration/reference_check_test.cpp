@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::app;
 using patella::control::HoldMotion;
@@ -14,7 +14,7 @@ namespace {
 
 RunConfig shipped(const char* name) {
   CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config" / name;
+  line.config = patella::checkout::source() / "firmware_app/config" / name;
   return loadRunConfig(line);
 }
 

@@ -8,9 +8,9 @@
 #include "core/model/presets.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/model/chains.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::app;
 
@@ -18,7 +18,7 @@ namespace {
 
 CommandLine shipped() {
   CommandLine line;
-  line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+  line.config = patella::checkout::source() / "firmware_app/config/adult.toml";
   return line;
 }
 
@@ -31,7 +31,7 @@ TEST_CASE("a script of faults names encoders and drives of the joints that there
                                           "\"\ntime_s = 1\nchannel = \"" + channel + "\"\n" +
                                           (std::string(kind) == "encoder_jump" ? "offset_rad = 0.5\n" : ""));
     CommandLine line;
-    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config" / configuration;
+    line.config = patella::checkout::source() / "firmware_app/config" / configuration;
     line.faults = folder / "faults.toml";
     return loadRunConfig(line).faults.at(0).channel;
   };
@@ -83,7 +83,7 @@ TEST_CASE("a log is played on the virtual clock whatever the file says, a bus ne
 }
 
 TEST_CASE("another model of the loop leaves the rig what it is, and the other way round") {
-  const auto models = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/models";
+  const auto models = patella::checkout::source() / "firmware_app/config/models";
   const RunConfig plain = loadRunConfig(shipped());
   REQUIRE(plain.model.effects.size() == 2);
   REQUIRE(plain.rig_model.effects.size() == 4);
@@ -103,7 +103,7 @@ TEST_CASE("another model of the loop leaves the rig what it is, and the other wa
   CHECK(real.rig_model.effects.size() == 2);
 
   CommandLine misfit = shipped();
-  misfit.rig_model = std::filesystem::path(PATELLA_SOURCE_DIR) / "tools/diagnose/maps/emps_inertia.toml";
+  misfit.rig_model = patella::checkout::source() / "tools/diagnose/maps/emps_inertia.toml";
   CHECK_THROWS_AS(loadRunConfig(misfit), std::invalid_argument);
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("a reference from a file replaces the configuration's") {
   using patella::control::SinusoidMotion;
   CommandLine line = shipped();
   REQUIRE(std::holds_alternative<SinusoidMotion>(loadRunConfig(line).tick.reference.motion[0]));
-  line.reference = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/references/unseen.toml";
+  line.reference = patella::checkout::source() / "firmware_app/config/references/unseen.toml";
   const RunConfig config = loadRunConfig(line);
   CHECK(config.reference_path == *line.reference);
   const auto* waves = std::get_if<MultisineMotion>(&config.tick.reference.motion[0]);
@@ -134,7 +134,7 @@ TEST_CASE(
     CommandLine line = shipped();
     line.config = config;
     line.model = folder / "chain.toml";
-    line.rig_model = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/models/adult.toml";
+    line.rig_model = patella::checkout::source() / "firmware_app/config/models/adult.toml";
     return loadRunConfig(line);
   };
   const std::string adult = shipped().config.string();

@@ -7,15 +7,15 @@
 
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
 
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config";
+const std::filesystem::path kConfig = checkout::source() / "firmware_app/config";
 
 struct Change {
   std::string from, to;

@@ -12,14 +12,14 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/file_error.hpp"
 #include "tests/support/drive_ranges.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
 
 namespace {
 
-const std::filesystem::path kMaps = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/can";
+const std::filesystem::path kMaps = checkout::source() / "firmware_app/config/can";
 
 BusDescription mit(const std::string& ranges) {
   return parseBusDescription(readFile(kMaps / "mit_mode.toml") + ranges, (kMaps / "mit_mode.toml").string());

@@ -9,9 +9,9 @@
 #include "core/model/planar_two_link.hpp"
 #include "drivers/can/message_codec.hpp"
 #include "firmware_app/files/csv_table.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/convert/csv_to_log.hpp"
 
 using namespace patella;
@@ -20,7 +20,7 @@ using patella::test::ScratchFolder;
 
 namespace {
 
-const std::string kData = PATELLA_DATA_DIR;
+const std::string kData = checkout::recordings();
 
 LogReport convertShipped(const std::string& map, const std::string& recording,
                          const std::filesystem::path& log) {

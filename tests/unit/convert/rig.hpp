@@ -7,16 +7,16 @@
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/dbc.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::test {
 
 inline can::Database rigBus() {
-  return can::loadDbc(PATELLA_SOURCE_DIR "/drivers/can/patella.dbc");
+  return can::loadDbc(checkout::source() / "drivers/can/patella.dbc");
 }
 
 inline std::string shippedMap(const std::string& name) {
-  return PATELLA_SOURCE_DIR "/tools/convert/maps/" + name + ".toml";
+  return checkout::source() / "tools/convert/maps" / (name + ".toml");
 }
 
 inline std::vector<can::Frame> framesOf(const std::filesystem::path& log) {

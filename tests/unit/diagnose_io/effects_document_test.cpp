@@ -11,7 +11,7 @@
 
 #include "core/model/effect.hpp"
 #include "firmware_app/files/atomic_file.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/effects/recipe_parts.hpp"
 
@@ -82,7 +82,7 @@ TEST_CASE("a kind without a home is refused by name") {
 }
 
 TEST_CASE("docs/effects.md is what --list-effects prints") {
-  const auto path = std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/effects.md";
+  const auto path = checkout::source() / "docs/effects.md";
   CHECK_MESSAGE(app::readFile(path) == effectsDocument(),
                 "docs/effects.md is out of date: patella-diagnose --list-effects > docs/effects.md");
 }

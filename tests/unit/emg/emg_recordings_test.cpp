@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "core/emg/emg_chain.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using patella::EmgArray;
 
@@ -27,7 +27,7 @@ struct Envelopes {
 };
 
 Envelopes load(const std::string& name) {
-  std::ifstream file(std::string(PATELLA_DATA_DIR) + "/leg_emg/" + name + ".csv");
+  std::ifstream file(patella::checkout::recordings() / "leg_emg" / (name + ".csv"));
   REQUIRE(file.is_open());
   patella::emg::EmgSettings settings;
   settings.mains_Hz = 50.0;

@@ -7,18 +7,18 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/recordings/recording_file.hpp"
 
 using namespace patella;
 
 namespace {
 
-const std::filesystem::path kTools = std::filesystem::path(PATELLA_SOURCE_DIR) / "tools";
+const std::filesystem::path kTools = checkout::source() / "tools";
 
 // As the benchmark counts it: each force at its own instant.
 diagnose::Recording recorded() {
-  return diagnose::loadRecording(PATELLA_DATA_DIR "/emps/emps.csv",
+  return diagnose::loadRecording(checkout::recordings() / "emps/emps.csv",
                                  {.joints = 1,
                                   .columns = kTools / "diagnose/maps/emps.toml",
                                   .torque_timing = diagnose::TorqueTiming::kSampled});
@@ -46,7 +46,7 @@ TEST_CASE("the published model of EMPS has the published error") {
 TEST_CASE("recordings that the benchmark's error is not made for are refused") {
   const model::ModelDescription model = app::loadModel(kTools / "studies/measured/emps_published.toml");
   const model::ModelDescription two_joints =
-      app::loadModel(std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/models/adult.toml");
+      app::loadModel(checkout::source() / "firmware_app/config/models/adult.toml");
   diagnose::Recording recording = recorded();
   CHECK_THROWS_AS(study::relativeError(recording, two_joints, 0.7), std::invalid_argument);
   recording.segments.push_back(recording.segments.front());

@@ -10,9 +10,9 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "tests/support/joint_pair.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/model/chains.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
@@ -71,7 +71,7 @@ TEST_CASE("the shipped models are the presets") {
     // The files round what the presets compute.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
     const model::DynamicsModel file =
-        makeModel(loadModel(PATELLA_SOURCE_DIR "/firmware_app/config/models/" + name + ".toml"));
+        makeModel(loadModel(checkout::source() / "firmware_app/config/models" / (name + ".toml")));
     const auto& leg = dynamic_cast<const model::PlanarTwoLink&>(file.mechanism()).parameters();
     for (const std::size_t link : {0U, 1U}) {
       CHECK(same(leg.mass_kg[link], preset.parameters.mass_kg[link]));
@@ -99,7 +99,7 @@ TEST_CASE("two links by base parameters move as those that have them") {
         "tools/diagnose/maps/acromonk_model.toml", "tools/diagnose/maps/double_pendulum_c0_model.toml",
         "tools/diagnose/maps/free_double_pendulum_model.toml"}) {
     CAPTURE(name);
-    const model::DynamicsModel whole = makeModel(loadModel(PATELLA_SOURCE_DIR "/" + name));
+    const model::DynamicsModel whole = makeModel(loadModel(checkout::source() / name));
     const auto& leg = dynamic_cast<const model::PlanarTwoLink&>(whole.mechanism());
     const model::BaseParameters base = leg.baseParameters();
     const auto& length = leg.parameters().length_m;

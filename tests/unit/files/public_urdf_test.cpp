@@ -6,15 +6,15 @@
 
 #include "core/model/serial_chain.hpp"
 #include "firmware_app/files/urdf_file.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
 
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(PATELLA_DATA_DIR) / "urdf";
+const std::filesystem::path kFolder = checkout::recordings() / "urdf";
 
 model::SerialChain chainOf(const std::string& file, const std::string& base, const std::string& tip) {
   return model::SerialChain({.links = loadUrdfChain(kFolder / file, base, tip)});

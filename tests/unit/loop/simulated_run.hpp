@@ -17,7 +17,7 @@
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/recorder/run_account.hpp"
 #include "sim/simulated_bus.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::app {
 
@@ -183,7 +183,7 @@ class SimulatedRun {
  private:
   static RunConfig load(double enable_at_s, std::vector<double> reset_at_s) {
     CommandLine line;
-    line.config = std::filesystem::path(PATELLA_SOURCE_DIR) / "firmware_app/config/adult.toml";
+    line.config = checkout::source() / "firmware_app/config/adult.toml";
     line.clock = "virtual";
     RunConfig config = loadRunConfig(line);
     config.rig.operator_buttons = {.enable_at_s = enable_at_s, .reset_at_s = std::move(reset_at_s)};

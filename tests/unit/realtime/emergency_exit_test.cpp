@@ -15,7 +15,7 @@
 
 #include "drivers/can/dbc.hpp"
 #include "tests/support/fresh_signals.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::app;
@@ -90,8 +90,7 @@ void raiseOrExit(int signal) {
 Death dieOf(const std::function<void(Reporting&, can::CommandEncoder&, const Clock&)>& live) {
   std::array<int, 2> ends{};
   REQUIRE(pipe(ends.data()) == 0);
-  const can::Database database =
-      can::loadDbc(std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc");
+  const can::Database database = can::loadDbc(checkout::source() / "drivers/can/patella.dbc");
   const pid_t child = fork();
   if (child == 0) {
     useFreshSignals(kSignalCount);
@@ -178,8 +177,7 @@ TEST_CASE("what a handler uses stays until it has ended the process, though the 
 TEST_CASE("there is one emergency exit, and after it the handlers are as before") {
   std::array<int, 2> ends{};
   REQUIRE(pipe(ends.data()) == 0);
-  const can::Database database =
-      can::loadDbc(std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc");
+  const can::Database database = can::loadDbc(checkout::source() / "drivers/can/patella.dbc");
   Reporting means(ends[1]);
   can::CommandEncoder encoder = commandEncoder(database);
   const MonotonicClock clock;

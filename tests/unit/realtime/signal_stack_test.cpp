@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 
@@ -86,7 +86,7 @@ TEST_CASE("a thread is started with a stack of its own, and does its work") {
 TEST_CASE("no thread of the loop's process is started in another way") {
   int sources = 0;
   for (const char* folder : {"core", "drivers", "sim", "firmware_app"}) {
-    const auto root = std::filesystem::path(PATELLA_SOURCE_DIR) / folder;
+    const auto root = checkout::source() / folder;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
       const std::string name = entry.path().filename().string();
       if (!(name.ends_with(".cpp") || name.ends_with(".hpp")) || name == "signal_stack.cpp") {

@@ -7,7 +7,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/recordings/column_map.hpp"
 
 using namespace patella;
@@ -16,7 +16,7 @@ using namespace patella::diagnose;
 namespace {
 
 std::vector<std::string> examples() {
-  const std::string text = app::readFile(PATELLA_SOURCE_DIR "/docs/column_maps.md");
+  const std::string text = app::readFile(checkout::source() / "docs/column_maps.md");
   const std::string open = "```toml\n";
   std::vector<std::string> found;
   for (auto at = text.find(open); at != std::string::npos; at = text.find(open, at)) {
@@ -45,7 +45,7 @@ TEST_CASE("every documented example is read") {
 }
 
 TEST_CASE("every unit is documented") {
-  const std::string text = app::readFile(PATELLA_SOURCE_DIR "/docs/column_maps.md");
+  const std::string text = app::readFile(checkout::source() / "docs/column_maps.md");
   for (const Quantity quantity : {Quantity::kTime, Quantity::kPosition, Quantity::kVelocity,
                                   Quantity::kTorque, Quantity::kEmg, Quantity::kActivation}) {
     REQUIRE_FALSE(unitsOf(quantity).empty());

@@ -8,15 +8,15 @@
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/message_codec.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/unit/recordings/csv_rows.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
 
 namespace {
 
-const std::string kDbc = PATELLA_SOURCE_DIR "/drivers/can/patella.dbc";
+const std::string kDbc = checkout::source() / "drivers/can/patella.dbc";
 
 /// Sends what a rig and a loop would, in the order of a bus.
 class LogWriter {
@@ -133,7 +133,7 @@ TEST_CASE("the bus map may come from a file, with its own description or another
   for (int i = 0; i < 300; ++i) {
     log.sample(i);
   }
-  const std::filesystem::path map = PATELLA_SOURCE_DIR "/firmware_app/config/can/patella.toml";
+  const std::filesystem::path map = checkout::source() / "firmware_app/config/can/patella.toml";
   CHECK(loadedLog(log.text(), {.joints = 2, .bus_map = map}).rows() == 299);
   CHECK(loadedLog(log.text(), {.joints = 2, .dbc = kDbc, .bus_map = map}).rows() == 299);
 }

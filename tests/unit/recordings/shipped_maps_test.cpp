@@ -7,7 +7,7 @@
 
 #include "core/model/effect.hpp"
 #include "firmware_app/files/model_file.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/recordings/recording_file.hpp"
 #include "tools/signals/signals.hpp"
 
@@ -17,12 +17,12 @@ using namespace patella::diagnose;
 namespace {
 
 Recording shipped(const std::string& map, int joints, const std::string& file) {
-  const std::string maps = PATELLA_SOURCE_DIR "/tools/diagnose/maps/";
-  return loadRecording(PATELLA_DATA_DIR "/" + file, {.joints = joints, .columns = maps + map + ".toml"});
+  const std::string maps = checkout::source() / "tools/diagnose/maps/";
+  return loadRecording(checkout::recordings() / file, {.joints = joints, .columns = maps + map + ".toml"});
 }
 
 model::ModelDescription shippedModel(const std::string& name) {
-  return app::loadModel(PATELLA_SOURCE_DIR "/tools/diagnose/maps/" + name + ".toml");
+  return app::loadModel(checkout::source() / "tools/diagnose/maps" / (name + ".toml"));
 }
 
 /// Torque of a joint of the model against that of the drives, as a correlation.
@@ -63,7 +63,7 @@ TEST_CASE("the linear axis: signs and units are those of its published model") {
 }
 
 TEST_CASE("the arm: hanging is −90°, and its rigid body explains most of the torque") {
-  const auto model = app::loadModel(PATELLA_SOURCE_DIR "/firmware_app/config/models/double_pendulum.toml");
+  const auto model = app::loadModel(checkout::source() / "firmware_app/config/models/double_pendulum.toml");
   for (const char* run : {"run_1", "run_2", "run_3"}) {
     CAPTURE(run);
     const Recording recording = shipped("double_pendulum", 2, std::string("double_pendulum/") + run + ".csv");

@@ -10,7 +10,7 @@
 
 #include "core/safety/state_machine.hpp"
 #include "core/safety/warning.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 using namespace patella::safety;
 
@@ -18,7 +18,7 @@ namespace {
 
 const std::vector<std::string>& document() {
   static const std::vector<std::string> lines = [] {
-    std::ifstream stream(std::filesystem::path(PATELLA_SOURCE_DIR) / "docs/safety.md");
+    std::ifstream stream(patella::checkout::source() / "docs/safety.md");
     std::vector<std::string> read;
     for (std::string line; std::getline(stream, line);) {
       read.push_back(line);

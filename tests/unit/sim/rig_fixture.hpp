@@ -9,15 +9,14 @@
 #include "drivers/can/dbc.hpp"
 #include "sim/rig.hpp"
 #include "sim/rig_messages.hpp"
-#include "tests/support/paths.hpp"
+#include "tools/checkout/checkout.hpp"
 
 namespace patella::sim {
 
 inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
 inline const can::Database& rigDatabase() {
-  static const can::Database database =
-      can::loadDbc(std::filesystem::path(PATELLA_SOURCE_DIR) / "drivers/can/patella.dbc");
+  static const can::Database database = can::loadDbc(checkout::source() / "drivers/can/patella.dbc");
   return database;
 }
 

@@ -25,6 +25,7 @@
 #include "tools/bench/diagnose/in_parallel.hpp"
 #include "tools/bench/diagnose/planted.hpp"
 #include "tools/bench/diagnose/summary.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
@@ -246,7 +247,7 @@ void understand(Options& options) {
 void runSuite(const Options& options) {
   if (options.suite == "planted") {
     std::cout << runPlanted({.data = options.data,
-                             .source = PATELLA_SOURCE_DIR,
+                             .source = checkout::source(),
                              .out = options.out,
                              .cases = options.cases,
                              .first = options.first,
@@ -254,7 +255,7 @@ void runSuite(const Options& options) {
                              .threads = options.threads});
   } else if (options.suite == "conventions") {
     std::cout << runConventions({.data = options.data,
-                                 .source = PATELLA_SOURCE_DIR,
+                                 .source = checkout::source(),
                                  .out = options.out,
                                  .cases = options.cases,
                                  .seed = options.seed,

@@ -19,6 +19,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/json_file.hpp"
 #include "tools/bench/jitter/output.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 #include "tools/process/process.hpp"
@@ -30,8 +31,10 @@ namespace process = patella::process;
 using namespace patella::bench;
 
 struct Arguments {
-  fs::path loop = fs::exists(PATELLA_LOOP) ? PATELLA_LOOP : "patella";
-  fs::path config = fs::exists(PATELLA_CONFIG) ? PATELLA_CONFIG : "/etc/patella/rig.toml";
+  fs::path loop =
+      patella::checkout::orInstalled(patella::checkout::build() / "firmware_app/patella", "patella");
+  fs::path config = patella::checkout::orInstalled(
+      patella::checkout::source() / "firmware_app/config/adult.toml", "/etc/patella/rig.toml");
   std::string backend = "sim";
   double seconds = 10.0;
   int rounds = 3;

@@ -12,6 +12,7 @@
 #include "drivers/clock/clock.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/bench/latency/frame_latency.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 
@@ -27,8 +28,8 @@ or a log of candump -l or of patella run.)";
 
 struct Arguments {
   std::string source;
-  std::filesystem::path map =
-      std::filesystem::exists(PATELLA_BUS_MAP) ? PATELLA_BUS_MAP : "/etc/patella/can/patella.toml";
+  std::filesystem::path map = checkout::orInstalled(
+      checkout::source() / "firmware_app/config/can/patella.toml", "/etc/patella/can/patella.toml");
   double seconds = 10.0;
   std::filesystem::path csv;
 };

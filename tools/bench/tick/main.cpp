@@ -7,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "tools/bench/tick/table.hpp"
+#include "tools/checkout/checkout.hpp"
 #include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 
@@ -24,8 +25,8 @@ clock says so, at real-time priority, as in use. --rates then shows which of the
 turns, and how many of their ticks ended after the next one was due.)";
 
 struct Arguments {
-  std::filesystem::path config =
-      std::filesystem::exists(PATELLA_CONFIG) ? PATELLA_CONFIG : "/etc/patella/rig.toml";
+  std::filesystem::path config = patella::checkout::orInstalled(
+      patella::checkout::source() / "firmware_app/config/adult.toml", "/etc/patella/rig.toml");
   std::string unit = "time";
   double seconds = 4.0;
   double rate_Hz = 1000.0;

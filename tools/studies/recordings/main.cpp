@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/checkout/checkout.hpp"
 #include "tools/options/run_program.hpp"
 #include "tools/studies/recordings/emg_study.hpp"
 #include "tools/studies/recordings/pendulum_study.hpp"
@@ -47,7 +48,7 @@ void bench(const Folders& folders) {
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it, with its text
   CLI::App app("Runs recorded EMG and a recorded arm through the loop and compares with what was measured.",
                "patella-study-recordings");
-  Folders folders{.data = {}, .project = PATELLA_SOURCE_DIR, .out = {}};
+  Folders folders{.data = {}, .project = patella::checkout::source(), .out = {}};
   app.add_option("--data", folders.data, "folder with leg_emg and double_pendulum")
       ->required()
       ->check(CLI::ExistingDirectory);
