@@ -158,7 +158,6 @@ headline "documentation of the API"
 tools/checks/api.sh
 headline "tests: release"
 ctest --preset release -j "$(nproc)" -LE uml
-ctest --preset release -j "$(nproc)" "${again[@]}" -L uml
 
 # The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
 run_board allocation_counter_test can_test gpiod_pins_test
@@ -168,7 +167,17 @@ compiler=()
 if command -v clang++-22 >/dev/null; then
   compiler=(-DCMAKE_CXX_COMPILER=clang++-22)
 fi
-for preset in asan tsan rtsan; do
+build asan patella_tests "${compiler[@]}"
+# User-mode Linux keeps wall time and sleeps through most of it; that is when the other tests run.
+headline "tests: User-mode Linux, and asan whenever that sleeps"
+chrt --idle 0 ctest --preset asan -j "$(nproc)" >build/asan/tests.log 2>&1 &
+asan=$!
+failed=0
+ctest --preset release -j "$(nproc)" "${again[@]}" -L uml || failed=$?
+wait "$asan" || failed=$?
+cat build/asan/tests.log
+[ "$failed" -eq 0 ] || exit "$failed"
+for preset in tsan rtsan; do
   if [ "$preset" = rtsan ] && [ ${#compiler[@]} -eq 0 ]; then
     skip "RealtimeSanitizer needs clang++-22, which this distribution does not carry"
     continue
