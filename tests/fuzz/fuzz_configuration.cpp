@@ -13,7 +13,7 @@ namespace {
 class Folder {
  public:
   Folder() {
-    const std::filesystem::path config = checkout::source() / "firmware_app/config";
+    const std::filesystem::path config = patella::checkout::source() / "firmware_app/config";
     for (const char* name : {"models", "can", "references"}) {
       std::filesystem::create_directory_symlink(config / name, folder_ / name);
     }

@@ -22,7 +22,7 @@ constexpr std::size_t kFrameBytes = 11;
 const app::RunConfig& configuration() {
   static const app::RunConfig config = [] {
     app::CommandLine line;
-    line.config = checkout::source() / "firmware_app/config/adult.toml";
+    line.config = patella::checkout::source() / "firmware_app/config/adult.toml";
     app::RunConfig loaded = app::loadRunConfig(line);
     loaded.tick.healthy_ticks = 5;
     loaded.rig.operator_buttons.enable_at_s = 0.02;
