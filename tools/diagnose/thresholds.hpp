@@ -59,8 +59,8 @@ inline constexpr double kSensors = 0.003;
 /// Multiple of what the best convention leaves: another one that leaves no more is as good, and both are
 /// named.
 inline constexpr double kAsGood = 1.25;
-/// The same for one that leaves no more than machines leave on any joint: what is left is then the machine's,
-/// and tells conventions apart less well.
+/// The same on the mean of the joints, for one that leaves no more than machines leave on any: what is left
+/// is then the machine's, and tells conventions apart less well.
 inline constexpr double kAsGoodOfMachines = 1.75;
 /// Multiple of the inertia that a joint moves up to which a motor's is a plain effect: gears are chosen so
 /// that the two are about alike, and what is more would explain a torque in another unit.

@@ -325,16 +325,21 @@ bool mayBeLateDrive(const Convention& convention) {
   return convention.kind == ConventionKind::kTorqueShift && mayBeDelay(-convention.number);
 }
 
-Convention shiftConvention(const ColumnNames& names, int joint, double late_s) {
-  constexpr double kMillisecond = 1e-3;
+Convention shiftConvention(const ColumnNames& names, int joint, double late_s, const Range& range_s) {
+  constexpr double kMillisecond = 1e-3, kWide_s = 0.03;
+  const bool wide = range_s[1] - range_s[0] > kWide_s && range_s[0] * range_s[1] > 0.0;
+  const double least_s = std::min(std::abs(range_s[0]), std::abs(range_s[1]));
+  const double most_s = std::max(std::abs(range_s[0]), std::abs(range_s[1]));
   return {.kind = ConventionKind::kTorqueShift,
           .joint = joint,
           .number = late_s,
-          .mistake =
-              fmt::format("{} {} {:.0f} ms too {}{}", names.torque(joint),
-                          joint < 0 && names.joints > 1 ? "come" : "comes", std::abs(late_s) / kMillisecond,
-                          late_s > 0.0 ? "late" : "early",
-                          mayBeDelay(-late_s) ? ", or the drive acts that late: declare actuator_delay" : ""),
+          .range = range_s,
+          .mistake = fmt::format(
+              "{} {} {} ms too {}{}", names.torque(joint), joint < 0 && names.joints > 1 ? "come" : "comes",
+              wide ? fmt::format("{:.0f} to {:.0f}", least_s / kMillisecond, most_s / kMillisecond)
+                   : fmt::format("{:.0f}", std::abs(late_s) / kMillisecond),
+              late_s > 0.0 ? "late" : "early",
+              mayBeDelay(-late_s) ? ", or the drive acts that late: declare actuator_delay" : ""),
           .change = fmt::format("{} {:.0f} ms {}", tau(joint), std::abs(late_s) / kMillisecond,
                                 late_s > 0.0 ? "earlier" : "later"),
           .correct =
@@ -360,12 +365,20 @@ std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
   return all;
 }
 
-Convention gearConvention(const ColumnNames& names, int joint, double factor) {
-  const double ratio = std::max(factor, 1.0 / factor);
-  return scaleConvention(joint, factor,
-                         fmt::format("{} {} measured {} a gear of about {:.2g}", names.torque(joint),
-                                     names.verb(joint), factor < 1.0 ? "before" : "behind", ratio),
-                         fmt::format("{}{}{:.2g}", tau(joint), factor < 1.0 ? "·" : "/", ratio));
+Convention gearConvention(const ColumnNames& names, int joint, double factor, const Range& range) {
+  constexpr double kWide = 1.5;
+  const bool before = factor < 1.0;
+  const double ratio = before ? 1.0 / factor : factor;
+  const double least = before ? 1.0 / range[1] : range[0], most = before ? 1.0 / range[0] : range[1];
+  Convention convention =
+      scaleConvention(joint, factor,
+                      fmt::format("{} {} measured {} a gear of {}", names.torque(joint), names.verb(joint),
+                                  before ? "before" : "behind",
+                                  most > kWide * least ? fmt::format("{:.2g} to {:.2g}", least, most)
+                                                       : fmt::format("about {:.2g}", ratio)),
+                      fmt::format("{}{}{:.2g}", tau(joint), before ? "·" : "/", ratio));
+  convention.range = range;
+  return convention;
 }
 
 const char* likelyAngleUnit(double largest_angle) {

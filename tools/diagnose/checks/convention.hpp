@@ -29,12 +29,14 @@ enum class ConventionKind {
 
 inline constexpr int kAllJoints = -1;
 
+/// From … to, the smaller first.
+using Range = std::array<double, 2>;
+
 struct Convention {
   ConventionKind kind{};
   int joint = kAllJoints;  ///< from 0; or the kind says which
   double number = 0.0;     ///< recorded per right unit; right less recorded zero, rad; torque too late, s
-  /// The number that explains as much, where it was searched for.
-  std::array<double, 2> range{};
+  Range range{};           ///< of numbers that explain as much, where one was searched for
   std::array<int, 2> exchanged{-1, -1};  ///< joints whose columns are read for each other
   std::string mistake{};                 ///< "q2_rad is in degrees"
   std::string change{};                  ///< "q2·π/180": what would put it right
@@ -75,17 +77,19 @@ std::vector<Convention> encoderCounts(const ColumnNames& names);
 /// The zero of a joint's angle is `offset_rad` away from the model's.
 Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad);
 
+// `range` is told in place of the number where it is wide.
+
 /// Whether a torque comes early by no more than drives are late.
 bool mayBeLateDrive(const Convention& convention);
 
 /// A torque, or all (−1), comes `late_s` after the position of the same row; early where that is negative.
-Convention shiftConvention(const ColumnNames& names, int joint, double late_s);
+Convention shiftConvention(const ColumnNames& names, int joint, double late_s, const Range& range_s);
 
 /// Known units of a torque, or of all (−1).
 std::vector<Convention> torqueUnits(const ColumnNames& names, int joint);
 
 /// A torque, or all (−1), is `factor` times what it should be, as it is before or behind a gear.
-Convention gearConvention(const ColumnNames& names, int joint, double factor);
+Convention gearConvention(const ColumnNames& names, int joint, double factor, const Range& range);
 
 /// Likely unit of an angle of such a size: degrees, milliradians, counts of an encoder.
 const char* likelyAngleUnit(double largest_angle);

@@ -77,9 +77,11 @@ bool leavesAsMachines(const Reading& reading) {
 }
 
 // Torques that are scaled are as good as each other where they leave as much over the torque.
-bool asGood(const ReadAs& one, const ReadAs& best, const Reading& given) {
-  const double multiple = leavesAsMachines(one.reading) ? kAsGoodOfMachines : kAsGood;
-  return gainOf(one, given) > gainOf(best, given) - std::log(multiple) ||
+bool asGood(const ReadAs& one, const ReadAs& best) {
+  const double lost = gain(one.reading.error, best.reading.error);
+  return lost < std::log(kAsGood) ||
+         (leavesAsMachines(one.reading) &&
+          lost < static_cast<double>(one.reading.error.size()) * std::log(kAsGoodOfMachines)) ||
          (one.convention.kind == ConventionKind::kTorqueUnit &&
           best.convention.kind == ConventionKind::kTorqueUnit &&
           gain(best.reading.error_of_torque, one.reading.error_of_torque) > -std::log(kAsGood));
@@ -88,11 +90,11 @@ bool asGood(const ReadAs& one, const ReadAs& best, const Reading& given) {
 // Nothing where the best is at an end of the grid: what would explain most lies beyond what the convention
 // means.
 std::optional<ReadAs> bestOn(const Grid& grid, Reader& reader, const Reading& given,
-                             const std::function<Convention(double)>& convention) {
+                             const std::function<Convention(double, const Range&)>& convention) {
   std::vector<ReadAs> tried;
   std::vector<double> gains, numbers;
   const auto consider = [&](double number) {
-    ReadAs one{.convention = convention(number), .reading = {}};
+    ReadAs one{.convention = convention(number, {number, number}), .reading = {}};
     one.reading = reader.read(one.convention);
     gains.push_back(gainOf(one, given));
     numbers.push_back(number);
@@ -113,16 +115,15 @@ std::optional<ReadAs> bestOn(const Grid& grid, Reader& reader, const Reading& gi
       (numbers[best()] < grid.first + grid.resolution || numbers[best()] > grid.last - grid.resolution)) {
     return std::nullopt;
   }
-  ReadAs found = tried[best()];
-  found.convention.range.fill(found.convention.number);
+  const double found = numbers[best()];
+  const ReadAs& most = tried[best()];
+  Range range{found, found};
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    if (asGood(tried[i], found, given)) {
-      auto& [low, high] = found.convention.range;
-      low = std::min(low, tried[i].convention.number);
-      high = std::max(high, tried[i].convention.number);
+    if (asGood(tried[i], most)) {
+      range = {std::min(range[0], numbers[i]), std::max(range[1], numbers[i])};
     }
   }
-  return found;
+  return ReadAs{.convention = convention(found, range), .reading = most.reading};
 }
 
 std::vector<int> eachAndAll(int joints) {
@@ -250,7 +251,8 @@ std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnN
       all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
     }
   };
-  const auto addBest = [&](const Grid& grid, const std::function<Convention(double)>& convention) {
+  const auto addBest = [&](const Grid& grid,
+                           const std::function<Convention(double, const Range&)>& convention) {
     if (std::optional<ReadAs> best = bestOn(grid, reader, given, convention)) {
       all.push_back(std::move(*best));
     }
@@ -259,11 +261,16 @@ std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnN
   for (const int joint : eachAndAll(names.joints)) {
     add(torqueUnits(names, joint));
     for (const Grid& gears : {kStepUp, kStepDown}) {
-      addBest(gears, [&](double logarithm) { return gearConvention(names, joint, std::exp(logarithm)); });
+      addBest(gears, [&](double logarithm, const Range& range) {
+        return gearConvention(names, joint, std::exp(logarithm), {std::exp(range[0]), std::exp(range[1])});
+      });
     }
-    addBest(kShifts, [&](double late_s) { return shiftConvention(names, joint, late_s); });
+    addBest(kShifts, [&](double late_s, const Range& range_s) {
+      return shiftConvention(names, joint, late_s, range_s);
+    });
     if (joint >= 0 && names.turns(joint)) {
-      addBest(kZeros, [&](double offset_rad) { return zeroConvention(names, joint, offset_rad); });
+      addBest(kZeros,
+              [&](double offset_rad, const Range&) { return zeroConvention(names, joint, offset_rad); });
     }
   }
   std::erase_if(all, [](const ReadAs& one) {
@@ -291,7 +298,7 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
             [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });
   if (!all.empty()) {
     const ReadAs best = all.front();
-    std::erase_if(all, [&](const ReadAs& one) { return !asGood(one, best, given); });
+    std::erase_if(all, [&](const ReadAs& one) { return !asGood(one, best); });
   }
   return all;
 }
