@@ -147,7 +147,7 @@ TEST_CASE("units, signs and columns that are wrong are named") {
          }
        }},
       {"light_arm", "ms too late", [](Recording& r) { delay(r.torque_Nm[1], 80); }},
-      {"light_arm", "tau2_Nm is measured before a gear of about",
+      {"light_arm", "tau2_Nm is measured before a gear of",
        [](Recording& r) { scale(r.torque_Nm[1], 1.0 / 6.0); }},
       {"light_arm", "gravity is of the other sign",
        [](Recording& r) {

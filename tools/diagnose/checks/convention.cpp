@@ -278,6 +278,16 @@ std::string columns(const ColumnNames& all, const char* stem, const char* turnin
   return names;
 }
 
+// Two digits at least.
+std::string number(double value) {
+  return std::abs(value) < 9.95 ? fmt::format("{:.1f}", value) : fmt::format("{:.0f}", value);
+}
+
+// "6.8", or "6.8 to 64".
+std::string fromTo(double least, double most) {
+  return number(least) == number(most) ? number(least) : number(least) + " to " + number(most);
+}
+
 bool mayBeDelay(double early_s) {
   return early_s > 0.0 && early_s <= physicalRange("actuator_delay", "delay_s")[1];
 }
@@ -326,31 +336,29 @@ bool mayBeLateDrive(const Convention& convention) {
 }
 
 Convention shiftConvention(const ColumnNames& names, int joint, double late_s, const Range& range_s) {
-  constexpr double kMillisecond = 1e-3, kWide_s = 0.03;
-  const bool wide = range_s[1] - range_s[0] > kWide_s && range_s[0] * range_s[1] > 0.0;
-  const double least_s = std::min(std::abs(range_s[0]), std::abs(range_s[1]));
-  const double most_s = std::max(std::abs(range_s[0]), std::abs(range_s[1]));
-  return {.kind = ConventionKind::kTorqueShift,
-          .joint = joint,
-          .number = late_s,
-          .range = range_s,
-          .mistake = fmt::format(
-              "{} {} {} ms too {}{}", names.torque(joint), joint < 0 && names.joints > 1 ? "come" : "comes",
-              wide ? fmt::format("{:.0f} to {:.0f}", least_s / kMillisecond, most_s / kMillisecond)
-                   : fmt::format("{:.0f}", std::abs(late_s) / kMillisecond),
-              late_s > 0.0 ? "late" : "early",
-              mayBeDelay(-late_s) ? ", or the drive acts that late: declare actuator_delay" : ""),
-          .change = fmt::format("{} {:.0f} ms {}", tau(joint), std::abs(late_s) / kMillisecond,
-                                late_s > 0.0 ? "earlier" : "later"),
-          .correct =
-              [=](Series& series) {
-                for (Eigen::Index j = 0; j < series.measured_torque_Nm.front().size(); ++j) {
-                  if (of(joint, j)) {
-                    advanceTorque(series, j, late_s);
-                  }
-                }
-              },
-          .torque_only = true};
+  constexpr double kMillisecond = 1e-3;
+  const bool late = late_s > 0.0;
+  const double nearest_s = late ? range_s[0] : -range_s[1], farthest_s = late ? range_s[1] : -range_s[0];
+  return {
+      .kind = ConventionKind::kTorqueShift,
+      .joint = joint,
+      .number = late_s,
+      .range = range_s,
+      .mistake = fmt::format(
+          "{} {} {} ms too {}{}", names.torque(joint), joint < 0 && names.joints > 1 ? "come" : "comes",
+          fromTo(std::max(nearest_s, 0.0) / kMillisecond, farthest_s / kMillisecond), late ? "late" : "early",
+          mayBeDelay(-late_s) ? ", or the drive acts that late: declare actuator_delay" : ""),
+      .change = fmt::format("{} {:.0f} ms {}", tau(joint), std::abs(late_s) / kMillisecond,
+                            late ? "earlier" : "later"),
+      .correct =
+          [=](Series& series) {
+            for (Eigen::Index j = 0; j < series.measured_torque_Nm.front().size(); ++j) {
+              if (of(joint, j)) {
+                advanceTorque(series, j, late_s);
+              }
+            }
+          },
+      .torque_only = true};
 }
 
 std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
@@ -366,17 +374,13 @@ std::vector<Convention> torqueUnits(const ColumnNames& names, int joint) {
 }
 
 Convention gearConvention(const ColumnNames& names, int joint, double factor, const Range& range) {
-  constexpr double kWide = 1.5;
   const bool before = factor < 1.0;
-  const double ratio = before ? 1.0 / factor : factor;
   const double least = before ? 1.0 / range[1] : range[0], most = before ? 1.0 / range[0] : range[1];
   Convention convention =
       scaleConvention(joint, factor,
                       fmt::format("{} {} measured {} a gear of {}", names.torque(joint), names.verb(joint),
-                                  before ? "before" : "behind",
-                                  most > kWide * least ? fmt::format("{:.2g} to {:.2g}", least, most)
-                                                       : fmt::format("about {:.2g}", ratio)),
-                      fmt::format("{}{}{:.2g}", tau(joint), before ? "·" : "/", ratio));
+                                  before ? "before" : "behind", fromTo(least, most)),
+                      tau(joint) + (before ? "·" : "/") + number(before ? 1.0 / factor : factor));
   convention.range = range;
   return convention;
 }

@@ -77,18 +77,18 @@ std::vector<Convention> encoderCounts(const ColumnNames& names);
 /// The zero of a joint's angle is `offset_rad` away from the model's.
 Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad);
 
-// `range` is told in place of the number where it is wide.
-
 /// Whether a torque comes early by no more than drives are late.
 bool mayBeLateDrive(const Convention& convention);
 
 /// A torque, or all (−1), comes `late_s` after the position of the same row; early where that is negative.
+/// The message has the range of what explains as much.
 Convention shiftConvention(const ColumnNames& names, int joint, double late_s, const Range& range_s);
 
 /// Known units of a torque, or of all (−1).
 std::vector<Convention> torqueUnits(const ColumnNames& names, int joint);
 
-/// A torque, or all (−1), is `factor` times what it should be, as it is before or behind a gear.
+/// A torque, or all (−1), is `factor` times what it should be, as it is before or behind a gear. The message
+/// has the range of what explains as much.
 Convention gearConvention(const ColumnNames& names, int joint, double factor, const Range& range);
 
 /// Likely unit of an angle of such a size: degrees, milliradians, counts of an encoder.
