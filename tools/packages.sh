@@ -9,7 +9,7 @@ build_packages=("${portable_packages[@]}" "${linked_packages[@]}" ca-certificate
 # libtorch multiplies with whatever BLAS is there; the one that it brings along takes three times as long, and of OpenBLAS only
 # this kind keeps to the number of threads that libtorch is told.
 test_packages=(can-utils chromium clang-format clang-tidy debootstrap doxygen iproute2 libopenblas0-openmp liborocos-kdl-dev
-  libtorch-dev minisign python3 python3-can python3-torch tshark)
+  libtorch-dev lld minisign python3 python3-can python3-torch tshark)
 # Reported and left out where the distribution does not carry them; the tests that need them are then skipped.
 optional_test_packages=(clang-22 clang-tidy-22 libclang-rt-22-dev python3-mne)
 

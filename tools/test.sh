@@ -53,6 +53,18 @@ build() {
 # In wall time, in an emulated kernel, a loop stops where the host takes the processor away for long: once more, then.
 again=(--repeat until-pass:2)
 
+# Tests of the release build. Those that keep wall time (User-mode Linux, the page in a browser) sleep most of it; the others
+# run then, and give way to them.
+run_release_tests() {
+  local failed=0 others
+  chrt --idle 0 ctest --preset release -j "$(($(nproc) + 1))" -LE wall_time &
+  others=$!
+  ctest --preset release -j "$(nproc)" "${again[@]}" -L wall_time >build/release/wall_time.log 2>&1 || failed=$?
+  wait "$others" || failed=$?
+  cat build/release/wall_time.log
+  return "$failed"
+}
+
 skipped=()
 skip() {
   echo "=================================================================="
@@ -156,9 +168,8 @@ tools/checks/palette.sh
 tools/checks/format.sh
 headline "documentation of the API"
 tools/checks/api.sh
-# Some tests sleep: one more than there are processors.
-headline "tests: release"
-ctest --preset release -j "$(($(nproc) + 1))" -LE uml
+headline "tests: release, and User-mode Linux"
+run_release_tests
 
 # The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
 run_board allocation_counter_test can_test gpiod_pins_test
@@ -169,15 +180,8 @@ if command -v clang++-22 >/dev/null; then
   compiler=(-DCMAKE_CXX_COMPILER=clang++-22)
 fi
 build asan patella_tests "${compiler[@]}"
-# User-mode Linux keeps wall time and sleeps through most of it; that is when the other tests run.
-headline "tests: User-mode Linux, and asan whenever that sleeps"
-chrt --idle 0 ctest --preset asan -j "$(nproc)" >build/asan/tests.log 2>&1 &
-asan=$!
-failed=0
-ctest --preset release -j "$(nproc)" "${again[@]}" -L uml || failed=$?
-wait "$asan" || failed=$?
-cat build/asan/tests.log
-[ "$failed" -eq 0 ] || exit "$failed"
+headline "tests: asan"
+ctest --preset asan -j "$(nproc)"
 for preset in tsan rtsan; do
   if [ "$preset" = rtsan ] && [ ${#compiler[@]} -eq 0 ]; then
     skip "RealtimeSanitizer needs clang++-22, which this distribution does not carry"

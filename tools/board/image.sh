@@ -6,9 +6,10 @@
 #
 # rt is the newest PREEMPT_RT kernel of the distribution, plain the one without; --refresh looks for newer packages.
 # Prints the folder of the result, which holds vmlinuz and base.cpio.gz. PATELLA_BOARD_CACHE: where to keep things
-# (build/board). Exit status 77 where the packages cannot be had.
+# (~/.cache/patella/board). Exit status 77 where the packages cannot be had.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
+. "$here/cache.sh"
 . "$here/libraries.sh"
 
 kernel=${1:-}
@@ -17,9 +18,8 @@ case $kernel in
   plain) metapackage=linux-image-arm64 ;;
   *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
-cache=${PATELLA_BOARD_CACHE:-$here/../../build/board}
+cache=$board_cache
 mkdir -p "$cache/packages"
-cache=$(cd "$cache" && pwd)
 result=$cache/$kernel
 programs=(busybox-static can-utils iproute2 rt-tests util-linux)
 modules=(can-raw vcan kvaser_pci)

