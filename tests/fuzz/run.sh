@@ -42,7 +42,7 @@ longest() { case $1 in tick) echo 1024 ;; seal) echo 64 ;; *) echo 16384 ;; esac
 # Longest input that is kept in the tree.
 kept() { case $1 in tick) echo 512 ;; seal) echo 64 ;; dbc) echo 1024 ;; *) echo 4096 ;; esac; }
 # Limits of a run of two or three seconds.
-short_runs() { case $1 in tick) echo 200 ;; viewer) echo 500 ;; *) echo 10000 ;; esac; }
+short_runs() { case $1 in tick) echo 200 ;; viewer) echo 500 ;; model | configuration | bus_map) echo 2500 ;; *) echo 10000 ;; esac; }
 # The words of the seeds and of what is in the tree, so that whole keys are put in and not letters.
 words() {
   # shellcheck disable=SC2046

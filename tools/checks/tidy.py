@@ -158,7 +158,7 @@ def main():
     if not (build / "build.ninja").exists():
         fail(f"'{arguments.build}', expected a folder that was configured with Ninja")
 
-    passed = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache")) / "patella-tidy"
+    passed = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache")) / "patella/tidy"
     passed.mkdir(parents=True, exist_ok=True)
     sources = Sources(build)
     with tempfile.TemporaryDirectory() as scratch, \

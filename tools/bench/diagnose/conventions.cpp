@@ -41,8 +41,7 @@ struct Source {
   std::vector<double> error{};  ///< of the recording as it is
 };
 
-std::vector<double> errorOf(const Recording& recording, const model::ModelDescription& model) {
-  const Dataset data(std::span(&recording, 1), diagnose::kCoarse);
+std::vector<double> errorOf(const Dataset& data, const model::ModelDescription& model) {
   model::DynamicsModel dynamics = model::makeModel(model);
   const diagnose::Column left = data.driveTorque() - data.modelTorque(dynamics);
   std::vector<double> error = diagnose::loads_Nm(data, dynamics.mechanism());
@@ -51,6 +50,10 @@ std::vector<double> errorOf(const Recording& recording, const model::ModelDescri
     one = diagnose::jointRms(data, left, joint) / std::max(one, 1e-12);
   }
   return error;
+}
+
+std::vector<double> errorOf(const Recording& recording, const model::ModelDescription& model) {
+  return errorOf(Dataset(std::span(&recording, 1), diagnose::kCoarse), model);
 }
 
 // The makers' model with the dry and viscous friction that explains most of what it leaves of the recording.
@@ -114,14 +117,37 @@ std::string markOf(const Diagnosis& diagnosis) {
   }
 }
 
-Answer answerTo(const Recording& recording, const model::ModelDescription& model, const Mistake* mistake,
+// How many of the mistakes are named by what puts them right. Two conventions for one mistake are wrong.
+std::size_t countNamed(const std::vector<Mistake>& mistakes, const std::vector<diagnose::Convention>& named) {
+  return static_cast<std::size_t>(
+      std::count_if(mistakes.begin(), mistakes.end(), [&](const Mistake& mistake) {
+        return std::any_of(named.begin(), named.end(), [&](const diagnose::Convention& one) {
+          return one.parts.size() <= mistakes.size() && anyPart(one, mistake.is);
+        });
+      }));
+}
+
+// Whether nothing can tell the copy, put right as named, from the recording. Two mistakes may be the same as
+// another one: all angles with the other sign and one of them turned back.
+bool putsRight(const diagnose::Convention& named, const Recording& copy, const Source& source) {
+  const std::vector<double> error =
+      errorOf(Dataset(std::span(&copy, 1), diagnose::kCoarse).changed(named.correct), source.model);
+  for (std::size_t j = 0; j < error.size(); ++j) {
+    if (error[j] > kGrows * source.error[j]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Answer answerTo(const Recording& recording, const Source& source, const std::vector<Mistake>& mistakes,
                 bool judge_only) {
   try {
     if (judge_only) {
-      diagnose::requirePlausible(std::span(&recording, 1), model);
+      diagnose::requirePlausible(std::span(&recording, 1), source.model);
       return {.mark = "believed", .words = {}};
     }
-    const Diagnosis diagnosis = diagnose::diagnose(std::span(&recording, 1), {}, model, {});
+    const Diagnosis diagnosis = diagnose::diagnose(std::span(&recording, 1), {}, source.model, {});
     std::string found(diagnose::verdictName(diagnosis.verdict));
     for (const diagnose::EffectFinding& effect : diagnosis.effects) {
       found += fmt::format(" {}@{}", effect.kind, effect.joint + 1);
@@ -129,8 +155,14 @@ Answer answerTo(const Recording& recording, const model::ModelDescription& model
     return {.mark = markOf(diagnosis), .words = found};
   } catch (const diagnose::WrongConvention& wrong) {
     const auto& named = wrong.conventions();
-    const bool right = mistake != nullptr && std::any_of(named.begin(), named.end(), mistake->is);
-    return {.mark = right ? "named" : "wrong", .words = wrong.what(), .named = named.size()};
+    const std::size_t right = countNamed(mistakes, named);
+    const bool is_right =
+        right == mistakes.size() ||
+        (mistakes.size() > 1 && std::any_of(named.begin(), named.end(), [&](const diagnose::Convention& one) {
+           return putsRight(one, recording, source);
+         }));
+    const char* mark = is_right ? "named" : right > 0 ? "one of them" : "wrong";
+    return {.mark = mark, .words = wrong.what(), .named = named.size()};
   } catch (const std::invalid_argument& refused) {
     return {.mark = "wrong", .words = refused.what()};
   }
@@ -170,6 +202,19 @@ bool tells(const Source& source, const Recording& copy) {
   return false;
 }
 
+// Of different kinds; fewer than `count` where one was drawn that this recording cannot have.
+std::vector<Mistake> drawMistakes(const Source& source, std::size_t count, Random& random) {
+  std::vector<Mistake> mistakes;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::optional<Mistake> one = drawMistake(source.measured->recording, isRevolute(source.model), random);
+    if (one && std::none_of(mistakes.begin(), mistakes.end(),
+                            [&](const Mistake& other) { return other.kind == one->kind; })) {
+      mistakes.push_back(std::move(*one));
+    }
+  }
+  return mistakes;
+}
+
 class Table {
  public:
   explicit Table(const std::filesystem::path& folder) {
@@ -196,10 +241,10 @@ class Table {
   }
 
   std::string summary() const {
-    constexpr std::array kMarks{"named", "wrong", "effect", "nothing", "unknown", "believed"};
+    constexpr std::array kMarks{"named", "one of them", "wrong", "effect", "nothing", "unknown", "believed"};
     std::string text = fmt::format("  {:<26}{:>8}", "", "copies");
     for (const char* mark : kMarks) {
-      text += fmt::format("{:>9}", mark);
+      text += fmt::format("{:>12}", mark);
     }
     text += "\n";
     std::map<std::string, std::size_t> sum;
@@ -210,7 +255,7 @@ class Table {
         const auto found = counts.find(mark);
         const std::size_t count = found == counts.end() ? 0 : found->second;
         all += count;
-        cells += fmt::format("{:>9}", count);
+        cells += fmt::format("{:>12}", count);
       }
       text += fmt::format("  {:<26}{:>8}{}\n", name, all, cells);
     };
@@ -246,24 +291,32 @@ std::string runConventions(const ConventionOptions& options) {
   Table table(options.out);
   for (const Source& source : sources) {
     table.add("plain", source, Table::kPlain, "",
-              answerTo(source.measured->recording, source.model, nullptr, options.judge_only));
+              answerTo(source.measured->recording, source, {}, options.judge_only));
   }
   Random random(options.seed);
   for (std::size_t done = 0; done < options.cases;) {
     const Source& source = sources[random.below(sources.size())];
-    const std::optional<Mistake> mistake =
-        drawMistake(source.measured->recording, isRevolute(source.model), random);
-    if (!mistake) {
+    const std::vector<Mistake> mistakes = drawMistakes(source, options.mistakes, random);
+    if (mistakes.size() < options.mistakes) {
       continue;
     }
     Recording copy = source.measured->recording;
-    mistake->make(copy);
-    if (!tells(source, copy)) {
+    std::string texts;
+    bool all_tell = true;
+    for (const Mistake& mistake : mistakes) {
+      Recording alone = source.measured->recording;
+      mistake.make(alone);
+      mistake.make(copy);
+      all_tell = all_tell && tells(source, alone);
+      texts += (texts.empty() ? "" : "; ") + mistake.text;
+    }
+    if (!all_tell || !tells(source, copy)) {
       ++symmetries;
       continue;
     }
-    table.add(std::to_string(done), source, mistake->kind, mistake->text,
-              answerTo(copy, source.model, &*mistake, options.judge_only));
+    const std::string kind = mistakes.size() == 1 ? mistakes.front().kind : "two mistakes";
+    table.add(std::to_string(done), source, kind, texts,
+              answerTo(copy, source, mistakes, options.judge_only));
     ++done;
   }
   return table.summary() +

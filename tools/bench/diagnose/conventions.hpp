@@ -1,4 +1,4 @@
-// Measured recordings with one wrong convention each: real noise, and a mistake that is known.
+// Measured recordings with one wrong convention each, or two: real noise, and mistakes that are known.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,12 @@ struct ConventionOptions {
   std::filesystem::path out;     ///< folder for conventions.csv; empty: none
   std::size_t cases = 100;
   std::uint64_t seed = 1;
+  std::size_t mistakes = 1;  ///< in each copy
   bool judge_only = false;  ///< what is believed is not diagnosed
 };
 
 /// Diagnoses recordings with the model that their makers publish and with the model that they led to, first
-/// as they are, then copies with a drawn mistake. Recordings that a model does not explain are left out with
+/// as they are, then copies with drawn mistakes. Recordings that a model does not explain are left out with
 /// it, and so are mistakes that nothing can tell, since the model's error does not grow. Returns a summary
 /// for the console.
 std::string runConventions(const ConventionOptions& options);

@@ -48,6 +48,7 @@ struct Options {
   std::vector<std::string> without;  ///< gates
   bool recordings = false;
   bool draw_only = false;
+  std::size_t mistakes = 1;
   Wish wish;
 };
 
@@ -259,6 +260,7 @@ void runSuite(const Options& options) {
                                  .out = options.out,
                                  .cases = options.cases,
                                  .seed = options.seed,
+                                 .mistakes = options.mistakes,
                                  .judge_only = options.draw_only});
   } else {
     runAll(options);
@@ -304,6 +306,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_flag("--recordings", options.recordings, "leave each case's recording and model in --out as well");
   app.add_flag("--draw-only", options.draw_only,
                "diagnose nothing; of the suite conventions, judge the columns only");
+  app.add_option("--mistakes", options.mistakes, "in each copy of the suite conventions, 1 or 2")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str();
   return patella::options::runProgram(app, argc, argv, [&] {
     understand(options);
     runSuite(options);

@@ -2,6 +2,7 @@
 // columns, zeros, clocks. Each is a change of a motion's states that would put it right.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <stdexcept>
@@ -25,6 +26,7 @@ enum class ConventionKind {
   kAbsoluteAngle,     ///< of the second joint, where it should count from the first link
   kZero,              ///< of an angle; of the first joint by π: gravity's sign
   kTorqueShift,       ///< in time, against the position
+  kTwo,               ///< two of these at once
 };
 
 inline constexpr int kAllJoints = -1;
@@ -41,8 +43,19 @@ struct Convention {
   std::string mistake{};                 ///< "q2_rad is in degrees"
   std::string change{};                  ///< "q2·π/180": what would put it right
   std::function<void(Series&)> correct{};
-  bool torque_only = false;  ///< positions stay as they are
+  bool torque_only = false;         ///< positions stay as they are
+  std::vector<Convention> parts{};  ///< of kTwo: which
 };
+
+/// Whether it holds for the convention, or for one of two at once.
+template <typename Which>
+bool anyPart(const Convention& convention, Which which) {
+  return convention.parts.empty() ? which(convention)
+                                  : std::any_of(convention.parts.begin(), convention.parts.end(), which);
+}
+
+/// Two at once; the first is put right before the second.
+Convention both(const Convention& first, const Convention& second);
 
 /// A recording is in another convention than its model; each of `conventions` explains it.
 class WrongConvention : public std::invalid_argument {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/checks/convention_pairs.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -28,64 +29,6 @@ struct Grid {
   double first = 0.0, last = 0.0, step = 0.0, resolution = 0.0;
   bool turns = false;  ///< the last number is next to the first
 };
-
-double gain(const std::vector<double>& given, const std::vector<double>& read, double floor = kFloor) {
-  return misfit(given, floor) - misfit(read, floor);
-}
-
-bool concerns(const Convention& convention, std::size_t joint) {
-  return convention.joint == kAllJoints || convention.joint == static_cast<int>(joint);
-}
-
-// The smaller a torque is, the less there is to leave: one that is scaled has to be explained far better
-// itself, or what was left, beside plain effects too, to be out of all proportion to the load.
-bool explainsItself(const ReadAs& one, const Reading& given) {
-  if (gain(given.error_with_effects, one.reading.error, kAsMachines) > -std::log(kSpeaks)) {
-    return true;
-  }
-  for (std::size_t j = 0; j < given.error_of_torque.size(); ++j) {
-    if (concerns(one.convention, j) && std::hypot(one.reading.error_of_torque[j], kFloor) <
-                                           kFarBetter * std::hypot(given.error_of_torque[j], kFloor)) {
-      return true;
-    }
-  }
-  return false;
-}
-
-// How much less is left than of the recording as given, as a logarithm, all joints together.
-double gainOf(const ReadAs& one, const Reading& given) {
-  return one.convention.kind == ConventionKind::kTorqueUnit && !explainsItself(one, given)
-             ? std::numeric_limits<double>::lowest()
-             : gain(given.error, one.reading.error);
-}
-
-// The least that a convention has to gain. Where a torque is read in another way, plain effects on a joint
-// that it does not explain say nothing against it.
-double leastGainOf(const ReadAs& one, const Reading& given) {
-  double of_effects = 0.0;
-  for (std::size_t j = 0; j < given.error.size(); ++j) {
-    if (!one.convention.torque_only || one.reading.error[j] < kFarBetter * given.error[j]) {
-      of_effects += gain({given.error[j]}, {given.error_with_effects[j]});
-    }
-  }
-  return std::max(-std::log(kFarBetter), kOfEffects * of_effects);
-}
-
-bool leavesAsMachines(const Reading& reading) {
-  return std::all_of(reading.error.begin(), reading.error.end(),
-                     [](double error) { return error < kAsMachines; });
-}
-
-// Torques that are scaled are as good as each other where they leave as much over the torque.
-bool asGood(const ReadAs& one, const ReadAs& best) {
-  const double lost = gain(one.reading.error, best.reading.error);
-  return lost < std::log(kAsGood) ||
-         (leavesAsMachines(one.reading) &&
-          lost < static_cast<double>(one.reading.error.size()) * std::log(kAsGoodOfMachines)) ||
-         (one.convention.kind == ConventionKind::kTorqueUnit &&
-          best.convention.kind == ConventionKind::kTorqueUnit &&
-          gain(best.reading.error_of_torque, one.reading.error_of_torque) > -std::log(kAsGood));
-}
 
 // Nothing where the best is at an end of the grid: what would explain most lies beyond what the convention
 // means.
@@ -134,12 +77,28 @@ std::vector<int> eachAndAll(int joints) {
   return chosen;
 }
 
+// The best, and what is as good, the better before the others.
+void keepBest(std::vector<ReadAs>& all, const Reading& given) {
+  std::sort(all.begin(), all.end(),
+            [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });
+  if (!all.empty()) {
+    const ReadAs best = all.front();
+    std::erase_if(all, [&](const ReadAs& one) { return !asGood(one, best); });
+  }
+}
+
+std::vector<Convention> conventionsOf(const std::vector<ReadAs>& all) {
+  std::vector<Convention> conventions;
+  for (const ReadAs& one : all) {
+    conventions.push_back(one.convention);
+  }
+  return conventions;
+}
+
 // Units in which the model explains angles better than as given, and that make them smaller: the best, and
-// what is as good; `counts`: those of encoders, too.
+// what is as good, with another wrong convention where that is believed; `counts`: those of encoders, too.
 std::vector<Convention> smallerAngles(Reader& reader, const ColumnNames& names, bool counts) {
   const Reading given = reader.asGiven();
-  std::vector<ReadAs> better;
-  double most = 0.0;
   std::vector<Convention> units;
   if (counts) {
     units = encoderCounts(names);
@@ -147,20 +106,23 @@ std::vector<Convention> smallerAngles(Reader& reader, const ColumnNames& names, 
   for (Convention& known : knownConventions(names)) {
     units.push_back(std::move(known));
   }
+  std::vector<ReadAs> better;
   for (const Convention& convention : units) {
     if (convention.kind == ConventionKind::kPositionUnit && convention.number > 1.0) {
-      ReadAs one{.convention = convention, .reading = reader.read(convention)};
-      most = std::max(most, gainOf(one, given));
-      better.push_back(std::move(one));
+      better.push_back({.convention = convention, .reading = reader.read(convention)});
     }
   }
-  std::vector<Convention> smaller;
-  for (const ReadAs& one : better) {
-    if (gainOf(one, given) > std::max(0.0, most - std::log(kAsGood))) {
-      smaller.push_back(one.convention);
+  if (std::none_of(better.begin(), better.end(),
+                   [](const ReadAs& one) { return leavesAsMachines(one.reading); })) {
+    std::vector<ReadAs> pairs = believedPairs(reader, given, names, better);
+    keepBest(pairs, given);
+    if (!pairs.empty()) {
+      return conventionsOf(pairs);
     }
   }
-  return smaller;
+  keepBest(better, given);
+  std::erase_if(better, [&](const ReadAs& one) { return gainOf(one, given) <= 0.0; });
+  return conventionsOf(better);
 }
 
 // " looks like q2_rad is in degrees (q2·π/180), or …"; empty where there is none.
@@ -176,37 +138,9 @@ std::string told(std::span<const Convention> conventions) {
   return look;
 }
 
-bool losesMost(double read, double given) {
-  return std::hypot(read, kFloor) < kSpeaks * std::hypot(given, kFloor);
-}
-
-// Every joint that the convention changes is explained by it. And some joint speaks for it: one of which more
-// is left than a model of the machine would leave, that loses so much of it as chance does not take, or more
-// than to plain effects, or whose torque is explained once scaled.
-bool explains(const ReadAs& one, const Reading& given) {
-  const Reading& read = one.reading;
-  bool speaks = false;
-  for (std::size_t j = 0; j < given.error.size(); ++j) {
-    if (read.error[j] < kFarBetter * given.error[j]) {
-      if (read.error[j] > std::max(kAsMachines, kSmallPart * given.error[j])) {
-        return false;
-      }
-      const bool most_goes =
-          read.error[j] < kSmallPart * given.error[j] && losesMost(read.error[j], given.error[j]);
-      // A drive that is late is no plain effect, and explains what a shift does.
-      const bool beyond_effects =
-          !mayBeLateDrive(one.convention) &&
-          std::hypot(read.error[j], kFloor) < kFarBetter * std::hypot(given.error_with_effects[j], kFloor);
-      speaks = speaks || given.error[j] > kOutOfProportion || most_goes || beyond_effects ||
-               (one.convention.kind == ConventionKind::kTorqueUnit &&
-                losesMost(read.error_of_torque[j], given.error_of_torque[j]));
-    }
-  }
-  return speaks;
-}
-
 bool isShift(const ReadAs& one) {
-  return one.convention.kind == ConventionKind::kTorqueShift;
+  return anyPart(one.convention,
+                 [](const Convention& part) { return part.kind == ConventionKind::kTorqueShift; });
 }
 
 // A column that is shifted leaves no sinusoid that is not in the motion. Where such a one is left, and says
@@ -233,7 +167,7 @@ ColumnNames columnNames(const model::ModelDescription& model) {
   return names;
 }
 
-std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnNames& names) {
+std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnNames& names, Extent extent) {
   constexpr Grid kShifts{
       .first = -kFarthestShift_s, .last = kFarthestShift_s, .step = 0.02, .resolution = 2e-3};
   constexpr Grid kZeros{.first = -std::numbers::pi,
@@ -245,8 +179,12 @@ std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnN
       .first = std::log(kOtherLeg), .last = std::log(kLargestGear), .step = 0.4, .resolution = 0.1};
   const Grid kStepDown{.first = -kStepUp.last, .last = -kStepUp.first, .step = 0.4, .resolution = 0.1};
   std::vector<ReadAs> all;
+  const bool together = extent == Extent::kAllTogether && names.joints > 1;
   const auto add = [&](std::vector<Convention> conventions) {
     for (Convention& convention : conventions) {
+      if (together && (convention.joint != kAllJoints || convention.exchanged[0] >= 0)) {
+        continue;
+      }
       Reading reading = reader.read(convention);
       all.push_back({.convention = std::move(convention), .reading = std::move(reading)});
     }
@@ -258,7 +196,7 @@ std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnN
     }
   };
   add(knownConventions(names));
-  for (const int joint : eachAndAll(names.joints)) {
+  for (const int joint : together ? std::vector{kAllJoints} : eachAndAll(names.joints)) {
     add(torqueUnits(names, joint));
     for (const Grid& gears : {kStepUp, kStepDown}) {
       addBest(gears, [&](double logarithm, const Range& range) {
@@ -287,20 +225,22 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
       std::all_of(given.error.begin(), given.error.end(), [](double error) { return error < kFloor; })) {
     return {};
   }
-  std::vector<ReadAs> all = readings(reader, given, names);
-  std::erase_if(all, [&](const ReadAs& one) {
-    return !explains(one, given) || gainOf(one, given) < leastGainOf(one, given) ||
-           gain(one.reading.error, given.error_with_effects, kSensors) >
-               static_cast<double>(given.error.size()) * std::log(kTimesEffects);
-  });
-  dropWhatATremorSays(reader, given, all);
-  std::sort(all.begin(), all.end(),
-            [&](const ReadAs& a, const ReadAs& b) { return gainOf(a, given) > gainOf(b, given); });
-  if (!all.empty()) {
-    const ReadAs best = all.front();
-    std::erase_if(all, [&](const ReadAs& one) { return !asGood(one, best); });
+  const std::vector<ReadAs> all = readings(reader, given, names);
+  std::vector<ReadAs> wrong;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(wrong),
+               [&](const ReadAs& one) { return isBelieved(one, given); });
+  dropWhatATremorSays(reader, given, wrong);
+  keepBest(wrong, given);
+  if (wrong.empty() ? !leavesAsMachines(given) : !leavesAsMachines(wrong.front().reading)) {
+    std::vector<ReadAs> pairs = believedPairs(reader, given, names, all);
+    dropWhatATremorSays(reader, given, pairs);
+    keepBest(pairs, given);
+    if (!pairs.empty() &&
+        (wrong.empty() || gainOf(pairs.front(), given) > gainOf(wrong.front(), given) + leastGainOfPair())) {
+      return pairs;
+    }
   }
-  return all;
+  return wrong;
 }
 
 void requireConventions(const Recording& recording, const model::ModelDescription& model) {
@@ -319,10 +259,7 @@ void requireConventions(const Recording& recording, const model::ModelDescriptio
   for (std::size_t j = 1; j < given.error.size(); ++j) {
     joint = better(j) > better(joint) ? j : joint;
   }
-  std::vector<Convention> conventions;
-  for (const ReadAs& one : wrong) {
-    conventions.push_back(one.convention);
-  }
+  const std::vector<Convention> conventions = conventionsOf(wrong);
   throw WrongConvention(
       fmt::format("{}:{}: with {} the model leaves {:.0f} % of joint {}'s torque, as given {:.0f} %",
                   recording.name, told(conventions), best.convention.change,

@@ -3,23 +3,22 @@
 
 #include <vector>
 
-#include "tools/diagnose/checks/reading.hpp"
+#include "tools/diagnose/checks/convention_score.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 
-struct ReadAs {
-  Convention convention;
-  Reading reading;
-};
+/// Conventions of single joints and pairs of them beside those of all joints, or the latter alone.
+enum class Extent { kEach, kAllTogether };
 
 /// Every convention with its reading; zeros, shifts and factors of torque where they explain most.
-std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnNames& names);
+std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnNames& names,
+                             Extent extent = Extent::kEach);
 
 ColumnNames columnNames(const model::ModelDescription& model);
 
-/// Those that explain the recording far better than it is explained as given, and about as well as effects
-/// explain it: the best, and what is as good; empty where the recording is in the model's own.
+/// Those that are believed (convention_score.hpp): the best, and what is as good. Two at once where one alone
+/// leaves more than machines leave. Empty where the recording is in the model's own.
 std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const ColumnNames& names);
 
 /// Throws WrongConvention, naming recording, conventions, what the model explains with them and as given,

@@ -330,23 +330,37 @@ Reader::Columns Reader::turned(const Convention& zero) {
   return columns;
 }
 
+Reader Reader::putRight(const Convention& convention) const {
+  Reader reader(data_.changed(convention.correct), model_);
+  reader.own_load_Nm_ = own_load_Nm_;
+  // As recorded: a joint that hardly moves once its angle is in another unit is not at rest.
+  reader.at_rest_ = at_rest_;
+  if (const auto [first, second] = convention.exchanged; first >= 0) {
+    const bool at_rest = at_rest_[static_cast<std::size_t>(first)];
+    reader.at_rest_[static_cast<std::size_t>(first)] = at_rest_[static_cast<std::size_t>(second)];
+    reader.at_rest_[static_cast<std::size_t>(second)] = at_rest;
+  }
+  reader.torque_scaled_ = convention.kind == ConventionKind::kTorqueUnit;
+  return reader;
+}
+
 Reading Reader::read(const Convention& convention) {
-  if (convention.kind == ConventionKind::kZero) {
-    return readingOf(data_, turned(convention), kInOrder);
-  }
-  const Dataset changed = data_.changed(convention.correct);
-  if (!convention.torque_only) {
-    return readingOf(changed, columnsOf(changed), convention.exchanged);
-  }
   Reading reading;
-  if (model_.effects.empty()) {
-    reading = readingOf(changed, own_, kInOrder);
+  if (convention.kind == ConventionKind::kZero) {
+    reading = readingOf(data_, turned(convention), kInOrder);
   } else {
-    Columns columns = own_;
-    columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
-    reading = readingOf(changed, columns, kInOrder);
+    const Dataset changed = data_.changed(convention.correct);
+    if (!convention.torque_only) {
+      reading = readingOf(changed, columnsOf(changed), convention.exchanged);
+    } else if (model_.effects.empty()) {
+      reading = readingOf(changed, own_, kInOrder);
+    } else {
+      Columns columns = own_;
+      columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
+      reading = readingOf(changed, columns, kInOrder);
+    }
   }
-  if (convention.kind == ConventionKind::kTorqueUnit) {
+  if (torque_scaled_ || convention.kind == ConventionKind::kTorqueUnit) {
     measureByGivenLoad(reading);
   }
   return reading;

@@ -43,6 +43,9 @@ class Reader {
   /// Of the recording as given.
   double load_Nm(int joint) const { return own_load_Nm_[static_cast<std::size_t>(joint)]; }
   Reading read(const Convention& convention);
+  /// A reader of the recording with the convention put right. Errors stay shares of no more than the load as
+  /// given.
+  Reader putRight(const Convention& convention) const;
   /// Of the recording as given, Reading::error_with_effects beside a sinusoid of each joint that is not in
   /// its motion.
   std::vector<double> errorBesideTremor() const;
@@ -84,6 +87,7 @@ class Reader {
   std::vector<bool> at_rest_;
   std::vector<double> largest_inertia_;
   std::vector<double> own_load_Nm_;
+  bool torque_scaled_ = false;        ///< its load is another than as given
   std::map<int, AngleShift> shifts_;  ///< by joint, once another zero of it is tried
 };
 
