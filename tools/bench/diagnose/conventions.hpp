@@ -14,7 +14,7 @@ struct ConventionOptions {
   std::size_t cases = 100;
   std::uint64_t seed = 1;
   std::size_t mistakes = 1;  ///< in each copy
-  bool judge_only = false;  ///< what is believed is not diagnosed
+  bool judge_only = false;   ///< what is believed is not diagnosed
 };
 
 /// Diagnoses recordings with the model that their makers publish and with the model that they led to, first

@@ -52,6 +52,12 @@ std::vector<ReadAs> firstOnes(std::vector<ReadAs> alone) {
   return first;
 }
 
+// Each of two conventions puts the model out of proportion.
+bool isFarOff(const Reading& given) {
+  return std::any_of(given.error.begin(), given.error.end(),
+                     [](double error) { return error > 2.0 * kOutOfProportion; });
+}
+
 // What such a convention gains by itself, at its best.
 double gainAlone(const Convention& convention, const std::vector<ReadAs>& alone, const Reading& given) {
   double most = 0.0;
@@ -67,6 +73,9 @@ double gainAlone(const Convention& convention, const std::vector<ReadAs>& alone,
 
 std::vector<ReadAs> believedPairs(const Reader& reader, const Reading& given, const ColumnNames& names,
                                   std::vector<ReadAs> alone) {
+  if (reader.hasJointAtRest() || !isFarOff(given)) {
+    return {};
+  }
   const Extent extent = names.joints > kMostSingly ? Extent::kAllTogether : Extent::kEach;
   keepWithin(alone, extent);
   std::vector<ReadAs> pairs;

@@ -19,9 +19,11 @@ bool scalesTorque(const Convention& convention) {
 }
 
 // The smaller a torque is, the less there is to leave: one that is scaled has to be explained far better
-// itself, or what was left, beside plain effects too, to be out of all proportion to the load.
+// itself, or what was left, beside plain effects too, to be out of all proportion to the load. Beside another
+// convention it has to be explained itself: the other one may make a motion that needs no torque.
 bool explainsItself(const ReadAs& one, const Reading& given) {
-  if (gain(given.error_with_effects, one.reading.error, kAsMachines) > -std::log(kSpeaks)) {
+  if (one.convention.parts.empty() &&
+      gain(given.error_with_effects, one.reading.error, kAsMachines) > -std::log(kSpeaks)) {
     return true;
   }
   for (std::size_t j = 0; j < given.error_of_torque.size(); ++j) {

@@ -248,7 +248,7 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns,
       reading.error[j] = reading.error_with_effects[j] = 0.0;
     }
   }
-  if (exchanged[0] >= 0 && std::find(at_rest_.begin(), at_rest_.end(), true) != at_rest_.end()) {
+  if (exchanged[0] >= 0 && hasJointAtRest()) {
     // The column that moves is compared with itself.
     const auto [first, second] = exchanged;
     for (std::vector<double>* errors : {&reading.error, &reading.error_with_effects}) {
@@ -288,6 +288,10 @@ bool Reader::moves() const {
     fastest = std::max(fastest, jointRms(data_, own_.effects.col(joint * kPlainKinds + kViscous), joint));
   }
   return fastest > motion::kLeastVelocity_rad_s;
+}
+
+bool Reader::hasJointAtRest() const {
+  return std::find(at_rest_.begin(), at_rest_.end(), true) != at_rest_.end();
 }
 
 Reading Reader::asGiven() const {

@@ -39,6 +39,8 @@ class Reader {
 
   int joints() const noexcept { return data_.joints(); }
   bool moves() const;
+  /// Whether a joint is at rest beside the others, as recorded.
+  bool hasJointAtRest() const;
   Reading asGiven() const;
   /// Of the recording as given.
   double load_Nm(int joint) const { return own_load_Nm_[static_cast<std::size_t>(joint)]; }
