@@ -314,19 +314,6 @@ std::vector<Convention> encoderCounts(const ColumnNames& names) {
   return Known(names).counts();
 }
 
-Convention both(const Convention& first, const Convention& second) {
-  return {.kind = ConventionKind::kTwo,
-          .mistake = first.mistake + " and " + second.mistake,
-          .change = first.change + ", then " + second.change,
-          .correct =
-              [one = first.correct, other = second.correct](Series& series) {
-                one(series);
-                other(series);
-              },
-          .torque_only = first.torque_only && second.torque_only,
-          .parts = {first, second}};
-}
-
 Convention zeroConvention(const ColumnNames& names, int joint, double offset_rad) {
   const bool upside_down = std::abs(std::abs(offset_rad) - std::numbers::pi) < convention::kSameZero_rad;
   return {

@@ -54,9 +54,6 @@ bool anyPart(const Convention& convention, Which which) {
                                   : std::any_of(convention.parts.begin(), convention.parts.end(), which);
 }
 
-/// Two at once; the first is put right before the second.
-Convention both(const Convention& first, const Convention& second);
-
 /// A recording is in another convention than its model; each of `conventions` explains it.
 class WrongConvention : public std::invalid_argument {
  public:

@@ -24,6 +24,20 @@ bool isAlike(const Convention& a, const Convention& b) {
   return a.kind == b.kind && a.joint == b.joint && a.exchanged == b.exchanged;
 }
 
+// The first is put right before the second.
+Convention both(const Convention& first, const Convention& second) {
+  return {.kind = ConventionKind::kTwo,
+          .mistake = first.mistake + " and " + second.mistake,
+          .change = first.change + ", then " + second.change,
+          .correct =
+              [one = first.correct, other = second.correct](Series& series) {
+                one(series);
+                other(series);
+              },
+          .torque_only = first.torque_only && second.torque_only,
+          .parts = {first, second}};
+}
+
 // Those of all joints together, where there are more than a few.
 void keepWithin(std::vector<ReadAs>& alone, Extent extent) {
   if (extent == Extent::kAllTogether) {
