@@ -5,7 +5,7 @@
 #   tools/board/image.sh rt|plain [--refresh]
 #
 # rt is the newest PREEMPT_RT kernel of the distribution, plain the one without; --refresh looks for newer packages.
-# Prints the folder of the result, which holds vmlinuz and base.cpio.gz. PATELLA_BOARD_CACHE: where to keep things
+# Prints the folder of the result, which holds vmlinuz and base.cpio. PATELLA_BOARD_CACHE: where to keep things
 # (~/.cache/patella/board). Exit status 77 where the packages cannot be had.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -112,7 +112,7 @@ copy_libraries "$root" /usr/lib/aarch64-linux-gnu "$work"/packages/{lib,usr/lib}
 
 rm -rf "$result"
 mkdir "$result"
-make_cpio "$root" "$result/base.cpio.gz"
+make_cpio "$root" "$result/base.cpio"
 mv "$work/kernel/boot/vmlinuz-$release" "$result/vmlinuz"
 echo "$release" >"$result/release"
 echo "$stamp" >"$result/stamp"

@@ -27,10 +27,11 @@ copy_libraries() {
   fi
 }
 
-# make_cpio ROOT FILE: an initramfs of everything below ROOT, the same bytes for the same contents.
+# make_cpio ROOT FILE: an initramfs of everything below ROOT, the same bytes for the same contents. It is not compressed: the
+# board unpacks it instruction by instruction, emulated.
 make_cpio() {
   find "$1" -exec touch -h -d @0 {} +
   (cd "$1" && find . -mindepth 1 -print0 | LC_ALL=C sort -z |
-    cpio --null --quiet --reproducible --create --format=newc --owner=0:0) | gzip -1 -n >"$2.new"
+    cpio --null --quiet --reproducible --create --format=newc --owner=0:0) >"$2.new"
   mv "$2.new" "$2"
 }

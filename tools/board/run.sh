@@ -92,13 +92,13 @@ cp "$scenario" "$root/job/scenario"
   [ $# -eq 0 ] || printf " '%s'" "${@//\'/\'\\\'\'}"
   echo
 } >"$root/job/settings"
-make_cpio "$root" "$work/job.cpio.gz"
-cat "$image/base.cpio.gz" "$work/job.cpio.gz" >"$work/initramfs"
+make_cpio "$root" "$work/job.cpio"
+cat "$image/base.cpio" "$work/job.cpio" >"$work/initramfs"
 if [ -n "$add" ]; then
   cp -a "$add" "$work/add"
-  make_cpio "$work/add" "$work/add.cpio.gz"
-  cat "$work/add.cpio.gz" >>"$work/initramfs"
-  rm -rf "$work/add" "$work/add.cpio.gz"
+  make_cpio "$work/add" "$work/add.cpio"
+  cat "$work/add.cpio" >>"$work/initramfs"
+  rm -rf "$work/add" "$work/add.cpio"
 fi
 
 append="console=ttyAMA0 nokaslr norandmaps quiet panic=-1 rdinit=/init"

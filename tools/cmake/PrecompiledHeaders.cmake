@@ -17,7 +17,7 @@ function(patella_precompile_target target)
   endif()
 endfunction()
 
-# Clang makes another precompiled header in every folder. ccache takes this sum in its place: of the headers' text. What else goes
+# Compilers make another precompiled header each time. ccache takes this sum in its place: of the headers' text. What else goes
 # into one, ccache knows from each source's own command. A header that changes has the sum made anew.
 # patella_sum_of_precompiled(RESULT <header>...)
 function(patella_sum_of_precompiled result)
@@ -49,12 +49,14 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR PATELLA_SANITIZER MATCHES "^(address|
     target_compile_definitions(patella_precompiled_${kind} PRIVATE EIGEN_RUNTIME_NO_MALLOC)  # as patella_core asks
     target_precompile_headers(patella_precompiled_${kind} PRIVATE ${headers})
   endforeach()
+  patella_sum_of_precompiled(sum ${headers})
+  set(ending gch)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-    patella_sum_of_precompiled(sum ${headers})
-    foreach(kind IN ITEMS libraries programs)
-      file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/patella_precompiled_${kind}.dir/cmake_pch.hxx.pch.sum" "${sum}\n")
-    endforeach()
+    set(ending pch)
   endif()
+  foreach(kind IN ITEMS libraries programs)
+    file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/patella_precompiled_${kind}.dir/cmake_pch.hxx.${ending}.sum" "${sum}\n")
+  endforeach()
   patella_targets_in(targets "${PROJECT_SOURCE_DIR}")
   foreach(target IN LISTS targets)
     patella_precompile_target(${target})

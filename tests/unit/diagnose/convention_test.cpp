@@ -32,6 +32,7 @@ model::ModelDescription arm() {
 struct Arm {
   double rotor_kg_m2 = 0.0;  ///< of the second drive
   double second_line = 1.0;  ///< share of it in the motion, which has two on each joint
+  double amplitude = 1.0;
 };
 
 // An arm that swings below its shoulder, both joints with some dry friction.
@@ -45,9 +46,10 @@ Recording swinging(const Arm& arm_of = {}) {
   recording.torque_timing = TorqueTiming::kSampled;
   for (int i = 0; i < 2400; ++i) {
     const double t = i / kRate_Hz;
-    const auto sine = [t](double size, double frequency_Hz, double phase, int derivative) {
+    const auto sine = [t, &arm_of](double size, double frequency_Hz, double phase, int derivative) {
       const double w = 2.0 * kPi * frequency_Hz;
-      return size * std::pow(w, derivative) * std::sin(w * t + phase + 0.5 * kPi * derivative);
+      return arm_of.amplitude * size * std::pow(w, derivative) *
+             std::sin(w * t + phase + 0.5 * kPi * derivative);
     };
     model::EffectInput state;
     JointVector ddq(2);
@@ -314,6 +316,17 @@ TEST_CASE("two mistakes at once are named together") {
       CHECK(areAmong(wrong.conventions(), ConventionKind::kPositionUnit, kAllJoints,
                      ConventionKind::kTorqueUnit, 1));
     }
+  }
+}
+
+TEST_CASE("an arm that hardly moves does not tell two mistakes at once") {
+  for (const double amplitude : {0.2, 0.4}) {
+    CAPTURE(amplitude);
+    Recording recording = swinging({.amplitude = amplitude});
+    map(recording.torque_Nm[1], [](double tau) { return 1e3 * tau; });
+    map(recording.position_rad[0], [](double q) { return -kPi - q; });
+    CHECK(areAmong(conventionsIn(recording), ConventionKind::kTorqueUnit, 1, ConventionKind::kPositionSign,
+                   0) == (amplitude > 0.3));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tools/diagnose/checks/convention_search.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -66,10 +67,8 @@ std::vector<ReadAs> firstOnes(std::vector<ReadAs> alone) {
   return first;
 }
 
-// Each of two conventions puts the model out of proportion.
 bool isFarOff(const Reading& given) {
-  return std::any_of(given.error.begin(), given.error.end(),
-                     [](double error) { return error > 2.0 * kOutOfProportion; });
+  return std::any_of(given.error.begin(), given.error.end(), [](double error) { return error > kFarOff; });
 }
 
 // What such a convention gains by itself, at its best.
@@ -87,7 +86,7 @@ double gainAlone(const Convention& convention, const std::vector<ReadAs>& alone,
 
 std::vector<ReadAs> believedPairs(const Reader& reader, const Reading& given, const ColumnNames& names,
                                   std::vector<ReadAs> alone) {
-  if (reader.hasJointAtRest() || !isFarOff(given)) {
+  if (reader.hasJointAtRest() || reader.hasJointThatHardlyBends() || !isFarOff(given)) {
     return {};
   }
   const Extent extent = names.joints > kMostSingly ? Extent::kAllTogether : Extent::kEach;

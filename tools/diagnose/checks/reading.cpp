@@ -294,6 +294,25 @@ bool Reader::hasJointAtRest() const {
   return std::find(at_rest_.begin(), at_rest_.end(), true) != at_rest_.end();
 }
 
+bool Reader::hasJointThatHardlyBends() const {
+  if (model::isLinear(model_.mechanism)) {
+    return false;
+  }
+  for (int joint = 0; joint < data_.joints(); ++joint) {
+    double lowest_rad = std::numeric_limits<double>::infinity(), highest_rad = -lowest_rad;
+    for (const Series& series : data_.series()) {
+      for (const model::EffectInput& state : series.states) {
+        lowest_rad = std::min(lowest_rad, state.q[joint]);
+        highest_rad = std::max(highest_rad, state.q[joint]);
+      }
+    }
+    if (highest_rad - lowest_rad < convention::kLeastBend_rad) {
+      return true;
+    }
+  }
+  return false;
+}
+
 Reading Reader::asGiven() const {
   return readingOf(data_, own_, kInOrder);
 }

@@ -41,6 +41,8 @@ class Reader {
   bool moves() const;
   /// Whether a joint is at rest beside the others, as recorded.
   bool hasJointAtRest() const;
+  /// Whether a joint that turns stays within convention::kLeastBend_rad, as recorded.
+  bool hasJointThatHardlyBends() const;
   Reading asGiven() const;
   /// Of the recording as given.
   double load_Nm(int joint) const { return own_load_Nm_[static_cast<std::size_t>(joint)]; }

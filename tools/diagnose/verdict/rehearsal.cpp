@@ -76,10 +76,7 @@ Rehearsal::Rehearsal(const Dataset& data, const ModelFit& fit, const Obstacles& 
   const double by_structure = obstacles.structure_Nm[static_cast<std::size_t>(joint)] /
                               (std::sqrt(asserted::kLooks) * std::max(own_Nm, 1e-300));
   spread_ = std::max(by_noise, by_structure);
-  // What is left holds some of the shape already, and may hold as much against an effect.
-  const double held =
-      equations.solve(equations.slope.transpose() * with.weighting->apply(fit.residual))[place];
-  against_ = std::max(shown::kFourInFive * spread_, std::abs(held));
+  against_ = shown::kFourInFive * spread_;
 }
 
 ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const Weighting& weighting,
