@@ -39,8 +39,8 @@ inline constexpr double kOutOfProportion = 0.2;
 /// The same from which on two conventions at once are looked for: each of them puts the model out of
 /// proportion.
 inline constexpr double kFarOff = 0.4;
-/// Range of a joint within which gravity is a straight line to a per cent, (1/4)²/6: zeros, units and a spring
-/// look alike there, so that two conventions at once are not told.
+/// Range of a joint within which gravity is a straight line to a per cent, (1/4)²/6: zeros, units and a
+/// spring look alike there, so that two conventions at once are not told.
 inline constexpr double kLeastBend_rad = 0.5;
 /// Share of the load that machines leave of their models. A convention may leave as much on each joint that
 /// it changes; where it leaves more, kSmallPart decides. A torque that is scaled has to gain on plain effects
