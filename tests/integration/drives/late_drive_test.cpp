@@ -4,6 +4,7 @@
 
 #include "firmware_app/configuration/stability_check.hpp"
 #include "tests/integration/drives/drive_rig.hpp"
+#include "tests/support/sanitized.hpp"
 
 using namespace patella;
 using namespace patella::test;
@@ -17,7 +18,7 @@ model::EffectDescription late(const char* kind, double lateness_s) {
 /// The demonstration with the knee's drive late, and a leg of `share` of the model's masses.
 app::RunConfig lateConfiguration(const model::EffectDescription& effect, bool known, double share,
                                  const ScratchFolder& folder) {
-  app::RunConfig config = driveConfiguration(Drives::kBuiltIn, 8.0, folder);
+  app::RunConfig config = driveConfiguration(Drives::kBuiltIn, unlessSanitized(8.0, 3.0), folder);
   config.rig_model = config.model;
   config.rig_model.effects.push_back(effect);
   auto& leg = std::get<model::PlanarTwoLinkParameters>(config.rig_model.mechanism);

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "core/model/one_dof.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/unit/estimation/observed_leg.hpp"
 #include "tests/unit/model/chains.hpp"
 
@@ -116,7 +117,7 @@ TEST_CASE(
     test::ObservedLeg leg(model, straight);
     observer.reset(leg.sample(JointVector::Zero(2)));
     UnknownDynamics estimate;
-    for (int n = 0; n < 60000; ++n) {
+    for (int n = 0; n < test::unlessSanitized(60000, 10000); ++n) {
       estimate = observer.observe(leg.step(pushed));
       REQUIRE(observer.state().allFinite());
     }
