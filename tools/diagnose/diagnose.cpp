@@ -13,9 +13,9 @@
 #include "tools/diagnose/verdict/before_and_after.hpp"
 #include "tools/diagnose/verdict/consistency.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
-#include "tools/diagnose/verdict/known_strength.hpp"
 #include "tools/diagnose/verdict/material_rest.hpp"
 #include "tools/diagnose/verdict/named_effects.hpp"
+#include "tools/diagnose/verdict/plainer_effects.hpp"
 #include "tools/diagnose/verdict/power.hpp"
 #include "tools/diagnose/verdict/runaways.hpp"
 #include "tools/diagnose/verdict/unexplained_rest.hpp"
@@ -87,7 +87,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   MissingEffects found = findMissing(analysed, model, movingJoints(signals), noise_Nm, options);
   diagnosis.warnings.insert(diagnosis.warnings.end(), found.warnings.begin(), found.warnings.end());
   if (options.gates.rest) {
-    preferKnownStrength(bare.mechanism(), noise_Nm, options, found);
+    preferPlainer(bare.mechanism(), noise_Nm, options, found);
   }
 
   options.report("unexplained", 0.0);

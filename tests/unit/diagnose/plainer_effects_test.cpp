@@ -1,4 +1,4 @@
-#include "tools/diagnose/verdict/known_strength.hpp"
+#include "tools/diagnose/verdict/plainer_effects.hpp"
 
 #include <array>
 #include <cmath>
@@ -55,7 +55,7 @@ double wandering(const Motion& motion) {
 TEST_CASE("beside a rest that hides a spring, the bias that is known stands, and the spring may be it") {
   FoundSpring rig([](const Motion& motion) { return 4.0 + wandering(motion); });
   REQUIRE(rig.found.selection.fit.terms.size() == 1);
-  preferKnownStrength(rig.model.mechanism(), std::array{kNoise_Nm}, {}, rig.found);
+  preferPlainer(rig.model.mechanism(), std::array{kNoise_Nm}, {}, rig.found);
   REQUIRE(rig.found.selection.fit.terms.size() == 1);
   CHECK(rig.last().kind == "torque_bias");
   CHECK(rig.found.selection.evidence.back().rivals == std::vector<std::string>{"linear_stiffness@1"});
@@ -64,10 +64,10 @@ TEST_CASE("beside a rest that hides a spring, the bias that is known stands, and
 
 TEST_CASE("a spring that is known stays, and so does one in whose place a bias would leave too much") {
   FoundSpring known([](const Motion& motion) { return 2.0 + 4.0 * motion.q; });
-  preferKnownStrength(known.model.mechanism(), std::array{kNoise_Nm}, {}, known.found);
+  preferPlainer(known.model.mechanism(), std::array{kNoise_Nm}, {}, known.found);
   CHECK(known.last().kind == "linear_stiffness");
   FoundSpring small([](const Motion& motion) { return 0.3 + 8.0 * wandering(motion); });
-  preferKnownStrength(small.model.mechanism(), std::array{kNoise_Nm}, {}, small.found);
+  preferPlainer(small.model.mechanism(), std::array{kNoise_Nm}, {}, small.found);
   CHECK(small.last().kind == "linear_stiffness");
 }
 

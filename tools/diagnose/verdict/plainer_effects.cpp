@@ -1,4 +1,4 @@
-#include "tools/diagnose/verdict/known_strength.hpp"
+#include "tools/diagnose/verdict/plainer_effects.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,25 +17,30 @@
 namespace patella::diagnose {
 namespace {
 
-class Strengths {
+class Plainer {
  public:
-  Strengths(const model::Mechanism& mechanism, std::span<const double> noise_Nm,
-            const DiagnoseOptions& options, MissingEffects& found)
+  Plainer(const model::Mechanism& mechanism, std::span<const double> noise_Nm, const DiagnoseOptions& options,
+          MissingEffects& found)
       : mechanism_(mechanism), noise_Nm_(noise_Nm), options_(options), found_(found) {}
 
-  // False where every strength is known, or nothing plainer would do.
+  // False where nothing plainer would do.
   bool restateOne() {
     const Selection& selection = found_.selection;
-    const auto& terms = selection.fit.terms;
-    if (std::none_of(terms.begin(), terms.end(),
-                     [](const Term& term) { return !term.declared && !term.recipe->contains.empty(); })) {
+    std::vector<std::size_t> wider;
+    for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
+      const Term& term = selection.fit.terms[t];
+      if (!term.declared && !term.recipe->contains.empty()) {
+        wider.push_back(t);
+      }
+    }
+    if (wider.empty()) {
       return false;
     }
-    const std::vector<std::size_t> unknown = unknownIn(selection);
-    for (const std::size_t term : unknown) {
+    const std::size_t unknown = unknownIn(selection).size();
+    for (const std::size_t term : wider) {
       std::optional<Selection> plainer = withPlainer(*found_.fitter, found_.atoms, selection, term);
-      if (plainer && unknownIn(*plainer).size() < unknown.size() &&
-          restSpeaksFor(plainer->fit, withoutTerm(*found_.fitter, selection, term).fit)) {
+      if (plainer && restSpeaksFor(plainer->fit, withoutTerm(*found_.fitter, selection, term).fit) &&
+          unknownIn(*plainer).size() <= unknown) {
         found_.selection = std::move(*plainer);
         return true;
       }
@@ -78,11 +83,11 @@ class Strengths {
 
 }  // namespace
 
-void preferKnownStrength(const model::Mechanism& mechanism, std::span<const double> noise_Nm,
-                         const DiagnoseOptions& options, MissingEffects& found) {
-  Strengths strengths(mechanism, noise_Nm, options, found);
+void preferPlainer(const model::Mechanism& mechanism, std::span<const double> noise_Nm,
+                   const DiagnoseOptions& options, MissingEffects& found) {
+  Plainer plainer(mechanism, noise_Nm, options, found);
   bool restated = false;
-  while (strengths.restateOne()) {
+  while (plainer.restateOne()) {
     restated = true;
   }
   if (restated) {
