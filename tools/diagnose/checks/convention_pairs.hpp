@@ -11,7 +11,7 @@ namespace patella::diagnose {
 /// convention by itself. The second ones are looked for behind the first ones that explain most, and behind
 /// every sign: a sign that is wrong hides what else is. With more than two joints, both are of all joints
 /// together: the number of pairs grows with the fourth power of joints. None where the model is not far off,
-/// or a joint is at rest: many pairs explain what is left then.
+/// or a joint is at rest or hardly bends: many pairs explain what is left then.
 std::vector<ReadAs> believedPairs(const Reader& reader, const Reading& given, const ColumnNames& names,
                                   std::vector<ReadAs> alone);
 

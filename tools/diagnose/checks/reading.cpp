@@ -295,10 +295,10 @@ bool Reader::hasJointAtRest() const {
 }
 
 bool Reader::hasJointThatHardlyBends() const {
-  if (model::isLinear(model_.mechanism)) {
-    return false;
-  }
   for (int joint = 0; joint < data_.joints(); ++joint) {
+    if (model::isPrismatic(model_.mechanism, joint)) {
+      continue;
+    }
     double lowest_rad = std::numeric_limits<double>::infinity(), highest_rad = -lowest_rad;
     for (const Series& series : data_.series()) {
       for (const model::EffectInput& state : series.states) {

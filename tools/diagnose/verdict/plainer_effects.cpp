@@ -36,11 +36,11 @@ class Plainer {
     if (wider.empty()) {
       return false;
     }
-    const std::size_t unknown = unknownIn(selection).size();
+    const std::size_t unknown = unknownIn(selection);
     for (const std::size_t term : wider) {
       std::optional<Selection> plainer = withPlainer(*found_.fitter, found_.atoms, selection, term);
       if (plainer && restSpeaksFor(plainer->fit, withoutTerm(*found_.fitter, selection, term).fit) &&
-          unknownIn(*plainer).size() <= unknown) {
+          unknownIn(*plainer) <= unknown) {
         found_.selection = std::move(*plainer);
         return true;
       }
@@ -49,8 +49,8 @@ class Plainer {
   }
 
  private:
-  // Found terms.
-  std::vector<std::size_t> unknownIn(const Selection& selection) const {
+  // Found terms of unknown strength.
+  std::size_t unknownIn(const Selection& selection) const {
     const ModelFit& fit = selection.fit;
     const Dataset& data = found_.fitter->data();
     const std::vector<JointRest> rests =
@@ -58,12 +58,11 @@ class Plainer {
     const Eigen::MatrixXd covariance =
         withRest(widerCovariance(data, fit, options_.bootstrap_replicates, options_.covarianceSeed()), data,
                  fit, rests);
-    std::vector<std::size_t> unknown;
+    std::size_t unknown = 0;
     for (std::size_t t = 0; t < fit.terms.size(); ++t) {
-      const Term& term = fit.terms[t];
-      if (!term.declared &&
+      if (!fit.terms[t].declared &&
           strengthIsUnknown(findingOf(fit, covariance, t, selection.evidence[t], data.joints()))) {
-        unknown.push_back(t);
+        ++unknown;
       }
     }
     return unknown;
