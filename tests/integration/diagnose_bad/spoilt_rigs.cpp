@@ -19,7 +19,7 @@ SpoiltRig rubbingRig(std::string mechanism, std::uint64_t seed, double strength)
   SpoiltRig made{.rig = bench::drawRig(seed, mechanism, motion), .effects = {}};
   made.rig.duration_s = 20.0;
   const bench::TrueEffect rubbing{.kind = bench::Kind::kCoulomb, .joint = 0, .p = {0.2}};
-  made.effects.push_back(bench::withStrength(made.rig, rubbing, strength).effect);
+  made.effects.push_back(bench::withStrength(made.rig, rubbing, strength).effect.effect);
   return made;
 }
 

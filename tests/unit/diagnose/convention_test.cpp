@@ -2,79 +2,19 @@
 // recording that was made with it, and none is found in a recording that the model explains.
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <Eigen/LU>
 #include <doctest/doctest.h>
 
-#include "tools/diagnose/checks/convention_search.hpp"
+#include "tests/unit/diagnose/swinging_arm.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-model::ModelDescription arm() {
-  return {.mechanism = model::PlanarTwoLinkParameters{.mass_kg = {0.6, 0.5},
-                                                      .length_m = {0.2, 0.25},
-                                                      .com_m = {0.15, 0.2},
-                                                      .inertia_kg_m2 = {0.01, 0.008},
-                                                      .gravity_m_s2 = 9.81},
-          .effects = {}};
-}
-
-struct Arm {
-  double rotor_kg_m2 = 0.0;  ///< of the second drive
-  double second_line = 1.0;  ///< share of it in the motion, which has two on each joint
-  double amplitude = 1.0;
-};
-
-// An arm that swings below its shoulder, both joints with some dry friction.
-Recording swinging(const Arm& arm_of = {}) {
-  constexpr double kRate_Hz = 200.0, kFriction_Nm = 0.05;
-  const model::DynamicsModel dynamics = model::makeModel(arm());
-  Recording recording;
-  recording.name = "arm.csv";
-  recording.rate_Hz = kRate_Hz;
-  recording.joints = 2;
-  recording.torque_timing = TorqueTiming::kSampled;
-  for (int i = 0; i < 2400; ++i) {
-    const double t = i / kRate_Hz;
-    const auto sine = [t, &arm_of](double size, double frequency_Hz, double phase, int derivative) {
-      const double w = 2.0 * kPi * frequency_Hz;
-      return arm_of.amplitude * size * std::pow(w, derivative) *
-             std::sin(w * t + phase + 0.5 * kPi * derivative);
-    };
-    model::EffectInput state;
-    JointVector ddq(2);
-    state.q.resize(2);
-    state.dq.resize(2);
-    state.torque_Nm.setZero(2);
-    const double second = 0.3 * arm_of.second_line;
-    state.q << -0.5 * kPi + sine(0.8, 0.31, 0.0, 0) + sine(second, 0.83, 1.0, 0),
-        0.2 + sine(0.9, 0.43, 2.0, 0) + sine(second, 1.07, 0.5, 0);
-    state.dq << sine(0.8, 0.31, 0.0, 1) + sine(second, 0.83, 1.0, 1),
-        sine(0.9, 0.43, 2.0, 1) + sine(second, 1.07, 0.5, 1);
-    ddq << sine(0.8, 0.31, 0.0, 2) + sine(second, 0.83, 1.0, 2),
-        sine(0.9, 0.43, 2.0, 2) + sine(second, 1.07, 0.5, 2);
-    JointVector torque = dynamics.inverseDynamics(state, ddq);
-    torque[1] += arm_of.rotor_kg_m2 * ddq[1];
-    recording.time_s.push_back(t);
-    for (int joint = 0; joint < 2; ++joint) {
-      const auto j = static_cast<std::size_t>(joint);
-      recording.position_rad[j].push_back(state.q[joint]);
-      recording.torque_Nm[j].push_back(torque[joint] + kFriction_Nm * std::tanh(20.0 * state.dq[joint]));
-    }
-  }
-  recording.segments = {{.first = 0, .end = recording.rows()}};
-  return recording;
-}
 
 // The same arm, driven at its shoulder only. The second torque's zero is off.
 Recording halfDriven(double bias_Nm) {
@@ -107,21 +47,12 @@ Recording halfDriven(double bias_Nm) {
   return recording;
 }
 
-std::vector<ReadAs> wrongIn(const Recording& recording, const model::ModelDescription& model = arm()) {
-  Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
-  return wrongConventions(reader, reader.asGiven(), columnNames(model));
-}
-
 bool isAmong(const std::vector<ReadAs>& found, ConventionKind kind, int joint, double number = 0.0,
              double within = 1e300) {
   return std::any_of(found.begin(), found.end(), [&](const ReadAs& one) {
     return one.convention.kind == kind && one.convention.joint == joint &&
            std::abs(one.convention.number - number) < within;
   });
-}
-
-void map(std::vector<double>& values, const std::function<double(double)>& change) {
-  std::transform(values.begin(), values.end(), values.begin(), change);
 }
 
 std::vector<double> later(const std::vector<double>& values, std::size_t rows) {
@@ -271,79 +202,6 @@ TEST_CASE("a number at the end of its range is none: the best would lie beyond")
       CHECK(std::abs(one.convention.number) < convention::kFarthestShift_s - 2e-3);
     }
   }
-}
-
-bool areAmong(const std::vector<Convention>& found, ConventionKind one, int joint, ConventionKind other,
-              int other_joint) {
-  return std::any_of(found.begin(), found.end(), [&](const Convention& pair) {
-    const auto has = [&](ConventionKind kind, int of) {
-      return std::any_of(pair.parts.begin(), pair.parts.end(),
-                         [&](const Convention& part) { return part.kind == kind && part.joint == of; });
-    };
-    return has(one, joint) && has(other, other_joint);
-  });
-}
-
-std::vector<Convention> conventionsIn(const Recording& recording) {
-  std::vector<Convention> found;
-  for (const ReadAs& one : wrongIn(recording)) {
-    found.push_back(one.convention);
-  }
-  return found;
-}
-
-TEST_CASE("two mistakes at once are named together") {
-  Recording recording = swinging();
-  map(recording.torque_Nm[1], [](double tau) { return 1e3 * tau; });
-  SUBCASE("a unit, and a sign") {
-    map(recording.position_rad[0], [](double q) { return -kPi - q; });
-    const std::vector<Convention> found = conventionsIn(recording);
-    CHECK(areAmong(found, ConventionKind::kTorqueUnit, 1, ConventionKind::kPositionSign, 0));
-    CHECK(found.front().mistake.find(" and ") != std::string::npos);
-  }
-  SUBCASE("a unit and a sign of one column: neither explains anything alone") {
-    map(recording.torque_Nm[1], [](double tau) { return -tau; });
-    CHECK(areAmong(conventionsIn(recording), ConventionKind::kTorqueUnit, 1, ConventionKind::kTorqueSign, 1));
-  }
-  SUBCASE("a unit, and angles in degrees, which are refused first") {
-    for (std::vector<double>& q : recording.position_rad) {
-      map(q, [](double angle) { return angle * 180.0 / kPi; });
-    }
-    try {
-      requireAngles(recording, arm());
-      FAIL("angles of 100 rad were believed");
-    } catch (const WrongConvention& wrong) {
-      CHECK(areAmong(wrong.conventions(), ConventionKind::kPositionUnit, kAllJoints,
-                     ConventionKind::kTorqueUnit, 1));
-    }
-  }
-}
-
-TEST_CASE("an arm that hardly moves does not tell two mistakes at once") {
-  for (const double amplitude : {0.2, 0.4}) {
-    CAPTURE(amplitude);
-    Recording recording = swinging({.amplitude = amplitude});
-    map(recording.torque_Nm[1], [](double tau) { return 1e3 * tau; });
-    map(recording.position_rad[0], [](double q) { return -kPi - q; });
-    CHECK(areAmong(conventionsIn(recording), ConventionKind::kTorqueUnit, 1, ConventionKind::kPositionSign,
-                   0) == (amplitude > 0.3));
-  }
-}
-
-TEST_CASE("a strong effect is not two mistakes") {
-  Recording recording = swinging();
-  SUBCASE("a spring that hardens") {
-    for (std::size_t i = 0; i < recording.rows(); ++i) {
-      recording.torque_Nm[1][i] += 10.0 * std::pow(recording.position_rad[1][i], 3);
-    }
-  }
-  SUBCASE("dry friction, which leaves nothing of a joint that is read as hardly moving") {
-    for (std::size_t i = 1; i < recording.rows(); ++i) {
-      const auto& q = recording.position_rad[1];
-      recording.torque_Nm[1][i] += std::copysign(15.0, q[i] - q[i - 1]);
-    }
-  }
-  CHECK(wrongIn(recording).empty());
 }
 
 TEST_CASE("joints that were exchanged are named by what was") {

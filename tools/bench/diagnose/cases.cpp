@@ -130,11 +130,14 @@ std::vector<TrueEffect> effectsOf(const Case& drawn) {
   return effects;
 }
 
-// Two effects that a rig bears one by one may be too much together. False where even a little of them is.
+// Two effects that a rig bears one by one may be too much together. False where even a little of them is. One
+// effect alone has run already.
 bool simulateCase(Case& drawn) {
   constexpr int kTries = 6;
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    drawn.run = simulate(drawn.rig, effectsOf(drawn));
+    if (attempt > 0 || drawn.effects.size() != 1) {
+      drawn.run = simulate(drawn.rig, effectsOf(drawn));
+    }
     if (drawn.run.stable) {
       return true;
     }
@@ -159,8 +162,8 @@ void drawRigOf(Case& drawn, const Wish& wish, std::uint64_t seed) {
   drawn.rig = drawRig(seed, drawn.mechanism, drawn.motion, wish.joints);
 }
 
-// Draws a rig and its effects. False where the way does not show an effect: play in a gear that gravity keeps
-// on one side, a spring that is no more than the rotor behind it.
+// Draws a rig and its effects, and runs it with the last one. False where the way does not show an effect:
+// play in a gear that gravity keeps on one side, a spring that is no more than the rotor behind it.
 bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
   drawn.effects.clear();
   drawRigOf(drawn, wish, seed);
@@ -184,13 +187,16 @@ bool tryEffects(Case& drawn, const Wish& wish, std::uint64_t seed) {
     }
     agreeOnDamping(random, effect, drawn.rig);
     if (in_span) {
-      drawn.effects.push_back(measured(drawn.rig, effect, simulate(drawn.rig, std::span(&effect, 1))));
+      drawn.run = simulate(drawn.rig, std::span(&effect, 1));
+      drawn.effects.push_back(measured(drawn.rig, effect, drawn.run));
       continue;
     }
     constexpr double kWeakest = 0.5, kWeakestOfTwo = 1.0, kStrongest = 5.0;
     const double weakest = two ? kWeakestOfTwo : kWeakest;
     const double strength = wish.strength > 0.0 ? wish.strength : random.logUniform(weakest, kStrongest);
-    drawn.effects.push_back(withStrength(drawn.rig, effect, strength));
+    ScaledEffect shown = withStrength(drawn.rig, effect, strength);
+    drawn.effects.push_back(shown.effect);
+    drawn.run = std::move(shown.run);
     if (drawn.effects.back().strength < 0.9 * std::min(strength, weakest)) {
       return false;
     }
@@ -205,7 +211,7 @@ std::string_view suiteName(Suite suite) noexcept {
   return kNames[static_cast<std::size_t>(suite)];
 }
 
-CaseEffect withStrength(const Rig& rig, const TrueEffect& effect, double strength) {
+ScaledEffect withStrength(const Rig& rig, const TrueEffect& effect, double strength) {
   const Pair range = sizeLimits(rig, effect);
   const auto within = [&](const TrueEffect& wanted) {
     const double size = sizeOf(wanted);
@@ -214,11 +220,11 @@ CaseEffect withStrength(const Rig& rig, const TrueEffect& effect, double strengt
   constexpr int kTries = 7;
   constexpr double kNear = 0.01;
   TrueEffect now = within(effect);
-  CaseEffect best{.effect = now};
+  ScaledEffect best{.effect = {.effect = now}, .run = {}};
   double best_miss = kUnlimited;
   std::optional<Pair> last;  // logarithms of size and strength
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    const Run run = simulate(rig, std::span(&now, 1));
+    Run run = simulate(rig, std::span(&now, 1));
     if (!run.stable) {
       now = scaled(now, 0.4);
       last.reset();
@@ -228,7 +234,7 @@ CaseEffect withStrength(const Rig& rig, const TrueEffect& effect, double strengt
     const double miss = std::abs(std::log(result.strength / strength));
     if (miss < best_miss) {
       best_miss = miss;
-      best = result;
+      best = {.effect = result, .run = std::move(run)};
     }
     if (miss < kNear) {
       break;

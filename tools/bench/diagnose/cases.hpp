@@ -57,9 +57,14 @@ struct Case {
 /// it is not physical, less strong ones. Throws std::invalid_argument for a wish that cannot be met.
 Case drawCase(std::uint64_t seed, Suite suite, const Wish& wish = {});
 
+struct ScaledEffect {
+  CaseEffect effect;
+  Run run;  ///< with the effect alone
+};
+
 /// Scales the effect until its strength in the run is `strength` within 1 %, or as near as it gets; 0 where
 /// no size of it leaves the robot stable.
-CaseEffect withStrength(const Rig& rig, const TrueEffect& effect, double strength);
+ScaledEffect withStrength(const Rig& rig, const TrueEffect& effect, double strength);
 
 /// A rig with nominal parameters wrong by up to 5 to 10 %. Empty names: drawn. A chain of 0
 /// joints has 2 to 7, drawn.
