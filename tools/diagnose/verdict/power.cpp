@@ -30,7 +30,8 @@ constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_sti
                              "payload"};
 
 /// A rehearsal goes up from the size that known noise would allow in such steps, and halves the last one so
-/// many times. The middle of what is left is the size, since its upper end would be 4 % too large in the mean.
+/// many times. The middle of what is left is the size, since its upper end would be 4 % too large in the
+/// mean.
 constexpr double kStep = 2.0;
 constexpr int kMostSteps = 6;
 constexpr int kSizeHalvings = 3;

@@ -62,16 +62,15 @@ Rehearsal::Rehearsal(const Dataset& data, const ModelFit& fit, const Obstacles& 
       obstacles_(obstacles),
       columns_(std::move(columns)),
       shape_(alone(columns_)),
-      rest_(fitted(fit.residual, *fit.weighting, true).residual),
-      noise_(data, rest_) {
-  const ModelFit with = fitted(fit.residual, *fit.weighting, true);
-  const Equations equations(*with.weighting, with.tangent, with.prior_weight);
+      with_(fitted(fit.residual, *fit.weighting, true)),
+      noise_(data, with_.residual) {
+  const Equations equations(*with_.weighting, with_.tangent, with_.prior_weight);
   const Eigen::Index place = fit.tangent.cols();
-  const Eigen::VectorXd row = equations.solve(Eigen::VectorXd::Unit(with.tangent.cols(), place));
+  const Eigen::VectorXd row = equations.solve(Eigen::VectorXd::Unit(with_.tangent.cols(), place));
   const Eigen::VectorXd weighted = equations.slope * row;
-  const double by_noise = std::sqrt(noise_.variance(with.weighting->transposed(weighted).col(0)));
+  const double by_noise = std::sqrt(noise_.variance(with_.weighting->transposed(weighted).col(0)));
   // What nothing explains is so many independent looks at the part of a shape that the parameters leave.
-  const double own_share = 1.0 / std::max(weighted.norm() * with.weighting->apply(shape_).norm(), 1e-300);
+  const double own_share = 1.0 / std::max(weighted.norm() * with_.weighting->apply(shape_).norm(), 1e-300);
   const double own_Nm = own_share * jointRms(data, shape_, joint);
   const double by_structure = obstacles.structure_Nm[static_cast<std::size_t>(joint)] /
                               (std::sqrt(asserted::kLooks) * std::max(own_Nm, 1e-300));
@@ -175,7 +174,7 @@ bool Rehearsal::asserts(double strength) const {
   if (!(seen > wide * spread_)) {
     return false;
   }
-  const Eigen::VectorXd torque = rest_ + seen * shape_;
+  const Eigen::VectorXd torque = with_.residual + seen * shape_;
   const ModelFit first = fitted(torque, Weighting(data_, torque), false);
   const ModelFit without = fitted(torque, Weighting(data_, first.residual), false);
   const ModelFit with = fitted(torque, *without.weighting, true);

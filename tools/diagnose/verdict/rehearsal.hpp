@@ -44,7 +44,7 @@ class Rehearsal {
   const Obstacles& obstacles_;
   Eigen::MatrixXd columns_;
   Eigen::VectorXd shape_;
-  Eigen::VectorXd rest_;  ///< what is left with the effect fitted: nothing of it is in there
+  ModelFit with_;  ///< the effect fitted: nothing of it is in what that leaves
   NoiseProcess noise_;
   double spread_;   ///< standard deviation of the strength
   double against_;  ///< strength that four of five recordings hold against an effect at most
