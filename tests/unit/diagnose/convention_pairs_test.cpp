@@ -85,5 +85,13 @@ TEST_CASE("a strong effect is not two mistakes") {
       recording.torque_Nm[1][i] += std::copysign(15.0, q[i] - q[i - 1]);
     }
   }
+  SUBCASE("a bias, of which two zeros explain nearly as much, beside what nothing explains") {
+    recording = swinging({.amplitude = 0.4});
+    for (std::size_t i = 0; i < recording.rows(); ++i) {
+      const double rest_Nm = 0.05 * std::sin(2.0 * kPi * 2.3 * recording.time_s[i]);
+      recording.torque_Nm[0][i] += 0.6 + 2.0 * rest_Nm;
+      recording.torque_Nm[1][i] += rest_Nm;
+    }
+  }
   CHECK(wrongIn(recording).empty());
 }

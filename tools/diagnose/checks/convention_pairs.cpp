@@ -100,8 +100,10 @@ std::vector<ReadAs> believedPairs(const Reader& reader, const Reading& given, co
         continue;
       }
       ReadAs pair{.convention = both(first.convention, second.convention), .reading = second.reading};
+      // Plain effects that explain as much are the more likely story.
+      const bool beyond_effects = gain(given.error_with_effects, pair.reading.error) >= 0.0;
       const double most_alone = std::max(gained_by_first, gainAlone(second.convention, alone, given));
-      if (gainOf(pair, given) > most_alone + leastGainOfPair() && isBelieved(pair, given)) {
+      if (beyond_effects && gainOf(pair, given) > most_alone + leastGainOfPair() && isBelieved(pair, given)) {
         pairs.push_back(std::move(pair));
       }
     }
