@@ -59,7 +59,7 @@ Case drawCase(std::uint64_t seed, Suite suite, const Wish& wish = {});
 
 struct ScaledEffect {
   CaseEffect effect;
-  Run run;  ///< with the effect alone
+  Run run;  ///< with the effect alone; empty where no size of it leaves the robot stable
 };
 
 /// Scales the effect until its strength in the run is `strength` within 1 %, or as near as it gets; 0 where
