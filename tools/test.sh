@@ -25,20 +25,8 @@ case "${1:-}" in
     ;;
 esac
 
-# Each part begins with its name and the seconds since the start; the end says how long each took.
-parts=()
-headline() {
-  parts+=("$SECONDS $*")
-  printf '\n== [%4d s] %s\n' "$SECONDS" "$*"
-}
-times() {
-  local index next
-  headline "end"
-  for ((index = 0; index < ${#parts[@]} - 1; ++index)); do
-    next=${parts[index + 1]%% *}
-    printf '%6d s  %s\n' "$((next - ${parts[index]%% *}))" "${parts[index]#* }"
-  done
-}
+# Each part begins with its name and the seconds since the start.
+headline() { printf '\n== [%4d s] %s\n' "$SECONDS" "$*"; }
 # build PRESET "TARGET..." [CMAKE_ARGUMENT...]
 build() {
   local preset=$1 targets
@@ -46,31 +34,17 @@ build() {
   shift 2
   headline "build: $preset"
   mkdir -p build
-  cmake --preset "$preset" "$@" >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+  cmake --preset "$preset" "$@" >"build/configure-$preset.log" 2>&1 || { cat "build/configure-$preset.log"; exit 1; }
   cmake --build --preset "$preset" --target "${targets[@]}"
 }
 
 # In wall time, in an emulated kernel, a loop stops where the host takes the processor away for long: once more, then.
 again=(--repeat until-pass:2)
 
-# Tests of the release build. Those that keep wall time (User-mode Linux, the page in a browser) sleep most of it; the others
-# run then, and give way to them.
-run_release_tests() {
-  local failed=0 others
-  chrt --idle 0 ctest --preset release -j "$(($(nproc) + 1))" -LE wall_time &
-  others=$!
-  ctest --preset release -j "$(nproc)" "${again[@]}" -L wall_time >build/release/wall_time.log 2>&1 || failed=$?
-  wait "$others" || failed=$?
-  cat build/release/wall_time.log
-  return "$failed"
-}
-
-skipped=()
 skip() {
   echo "=================================================================="
   echo "SKIPPED: $*"
   echo "=================================================================="
-  skipped+=("$*")
 }
 
 # run_board all|TEST...: the emulated board's scenarios, and unit tests under emulation.
@@ -85,10 +59,10 @@ run_board() {
     return "$cross"
   fi
   if [ "$1" = all ]; then
-    build arm64 all
+    build arm64 all || return
     filter=.
   else
-    build arm64 "patella_board $*"
+    build arm64 "patella_board $*" || return
     filter="^(board_.*|$(IFS='|'; echo "$*"))$"
   fi
   headline "tests: arm64, under user emulation and on the emulated board"
@@ -160,46 +134,88 @@ if $quick; then
   exit 0
 fi
 
-headline "style"
-tools/checks/dependencies.sh
-tools/checks/bounds.sh
-tools/checks/thresholds.sh
-tools/checks/palette.sh
-tools/checks/format.sh
-headline "documentation of the API"
-tools/checks/api.sh
-headline "tests: release, and User-mode Linux"
-run_release_tests
+# From here on several parts run at a time, each of which leaves its output in a file of its own.
+logs=build/parts
+rm -rf "$logs"
+mkdir -p "$logs"
 
-# The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
-run_board allocation_counter_test can_test gpiod_pins_test
-
-# Where it is there, clang builds every sanitizer: in half the time that GCC takes.
-compiler=()
-if command -v clang++-22 >/dev/null; then
-  compiler=(-DCMAKE_CXX_COMPILER=clang++-22)
-fi
-build asan patella_tests "${compiler[@]}"
-headline "tests: asan"
-ctest --preset asan -j "$(nproc)"
-for preset in tsan rtsan; do
-  if [ "$preset" = rtsan ] && [ ${#compiler[@]} -eq 0 ]; then
-    skip "RealtimeSanitizer needs clang++-22, which this distribution does not carry"
-    continue
+# part NAME COMMAND...: runs a part, shows its tests as they end, and says how it went; its whole output where it failed.
+part() {
+  local name=$1 begin=$SECONDS status
+  local log=$logs/${name//[^A-Za-z0-9]/_}.log
+  shift
+  headline "begins: $name"
+  set +e
+  ("$@") 2>&1 | tee "$log" | grep --line-buffered -E '^ *[0-9]+/[0-9]+ Test'
+  status=${PIPESTATUS[0]}
+  set -e
+  if [ "$status" -eq 0 ]; then
+    headline "passed: $name"
+    # What did not run is said loudly.
+    sed -n '/tests passed/p; /did not run/,/^$/p; /SKIPPED/p; /executions in/p; /clang-tidy/p' "$log"
+  else
+    cat "$log"
+    headline "FAILED: $name"
   fi
-  build "$preset" patella_tests "${compiler[@]}"
-  headline "tests: $preset"
-  ctest --preset "$preset" -j "$(nproc)"
+  printf '%6d s  %s\n' "$((SECONDS - begin))" "$name" >>"$logs/times"
+  return "$status"
+}
+
+check_style() {
+  tools/checks/dependencies.sh && tools/checks/bounds.sh && tools/checks/thresholds.sh && tools/checks/palette.sh &&
+    tools/checks/format.sh && tools/checks/api.sh
+}
+test_sanitizer() {
+  local preset=$1 compiler=()
+  # Where it is there, clang builds every sanitizer: in half the time that GCC takes.
+  if command -v clang++-22 >/dev/null; then
+    compiler=(-DCMAKE_CXX_COMPILER=clang++-22)
+  elif [ "$preset" = rtsan ]; then
+    skip "RealtimeSanitizer needs clang++-22, which this distribution does not carry"
+    return 0
+  fi
+  build "$preset" patella_tests "${compiler[@]}" && ctest --preset "$preset" -j "$(nproc)"
+}
+
+# Tests that keep wall time (User-mode Linux, the page in a browser) sleep most of it. Everything else runs then, in two
+# rows, and gives way to them; the emulated board counts instructions, and does not mind.
+give_way() { chrt --idle --pid 0 "$BASHPID" || true; }
+row_of_release() {
+  give_way
+  part "style, and documentation of the API" check_style &&
+    part "tests: release" ctest --preset release -j "$(($(nproc) + 1))" -LE wall_time &&
+    part "fuzz: what is in the tree, and some seconds of chance" tests/fuzz/run.sh short &&
+    part "lint" tools/checks/tidy.py build/release
+}
+row_of_other_builds() {
+  give_way
+  # The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
+  part "board: the emulated arm64, and tests under user emulation" run_board allocation_counter_test can_test gpiod_pins_test &&
+    part "sanitizers: address and undefined behaviour" test_sanitizer asan &&
+    part "sanitizers: thread" test_sanitizer tsan &&
+    part "sanitizers: realtime" test_sanitizer rtsan
+}
+# Rows have process groups of their own, so that they end with this.
+set -m
+row_of_release &
+rows=($!)
+row_of_other_builds &
+rows+=($!)
+set +m
+trap 'kill -- "${rows[@]/#/-}" 2>/dev/null' EXIT
+
+failed=0
+part "tests: release, in wall time and in User-mode Linux" \
+  ctest --preset release -j "$(nproc)" "${again[@]}" -L wall_time || failed=$?
+for row in "${rows[@]}"; do
+  wait "$row" || failed=$?
 done
+trap - EXIT
 
-headline "fuzz: what is in the tree, and some seconds of chance"
-tests/fuzz/run.sh short
-
-headline "lint"
-tools/checks/tidy.py build/release
-
-times
-if [ ${#skipped[@]} -gt 0 ]; then
-  printf '\n== %s\n' "passed, but for ${#skipped[@]} parts that were SKIPPED"
-  printf '  %s\n' "${skipped[@]}"
+headline "end; seconds of parts that ran side by side"
+sort -rn "$logs/times"
+[ "$failed" -eq 0 ] || { printf '\n== FAILED\n'; exit "$failed"; }
+if grep -h ^SKIPPED "$logs"/*.log >"$logs/skipped"; then
+  printf '\n== %s\n' "passed, but for $(wc -l <"$logs/skipped") parts that were SKIPPED"
+  sed 's/^/  /' "$logs/skipped"
 fi

@@ -25,7 +25,7 @@ if ! command -v clang++-22 >/dev/null || ! clang++-22 -fsanitize=fuzzer,address 
 fi
 
 mkdir -p build
-cmake --preset fuzz >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+cmake --preset fuzz >build/configure-fuzz.log 2>&1 || { cat build/configure-fuzz.log; exit 1; }
 cmake --build --preset fuzz --target "${targets[@]/#/fuzz_}"
 
 seeds() {

@@ -46,6 +46,29 @@ void eachRun(const Autoregression& process, const Dataset& data, Visit visit) {
   }
 }
 
+// Sums of e_(t−a)·e_(t−b) of a joint's residual, a and b up to `lags`, over all t of the blocks from their
+// row number `lags` on. Along a diagonal they differ at the blocks' ends only.
+Eigen::MatrixXd laggedProducts(const Dataset& data, const Eigen::VectorXd& residual, int joint, int lags) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(lags + 1, lags + 1);
+  const auto e = residual.segment(joint * data.rows(), data.rows());
+  for (const Block& block : data.blocks()) {
+    const Eigen::Index count = block.end - block.first - lags;
+    if (count <= 0) {
+      continue;
+    }
+    const Eigen::Index first = block.first + lags;
+    for (int apart = 0; apart <= lags; ++apart) {
+      double sum = e.segment(first, count).dot(e.segment(first - apart, count));
+      sums(apart, 0) += sum;
+      for (int b = 1; b + apart <= lags; ++b) {
+        sum += e[first - b] * e[first - b - apart] - e[block.end - b] * e[block.end - b - apart];
+        sums(b + apart, b) += sum;
+      }
+    }
+  }
+  return sums.selfadjointView<Eigen::Lower>();
+}
+
 }  // namespace
 
 Autoregression Autoregression::fit(const Dataset& data, const Eigen::VectorXd& residual, int order,
@@ -53,24 +76,12 @@ Autoregression Autoregression::fit(const Dataset& data, const Eigen::VectorXd& r
   Autoregression result{.order = data.isStatic() ? 0 : order, .coefficients = {}};
   const int lags = result.order;
   for (int joint = 0; joint < data.joints(); ++joint) {
-    const auto e = residual.segment(joint * data.rows(), data.rows());
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(lags, lags);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(lags);
-    for (const Block& block : data.blocks()) {
-      const Eigen::Index count = block.end - block.first - lags;
-      for (int a = 0; a < lags && count > 0; ++a) {
-        const auto lagged = e.segment(block.first + lags - 1 - a, count);
-        right[a] += lagged.dot(e.segment(block.first + lags, count));
-        for (int b = 0; b <= a; ++b) {
-          normal(a, b) += lagged.dot(e.segment(block.first + lags - 1 - b, count));
-        }
-      }
-    }
-    normal = Eigen::MatrixXd(normal.selfadjointView<Eigen::Lower>());
+    const Eigen::MatrixXd products = laggedProducts(data, residual, joint, lags);
+    Eigen::MatrixXd normal = products.bottomRightCorner(lags, lags);
     const double small = kSmallestVariance * static_cast<double>(data.rows());
     normal.diagonal() *= 1.0 + white_share + 1e-9;
     normal.diagonal().array() += small;
-    result.coefficients[static_cast<std::size_t>(joint)] = normal.ldlt().solve(right);
+    result.coefficients[static_cast<std::size_t>(joint)] = normal.ldlt().solve(products.col(0).tail(lags));
   }
   return result;
 }
@@ -94,8 +105,15 @@ Eigen::VectorXd Autoregression::innovations(const Dataset& data,
             if (column.segment(first - order, count + order).isZero(0.0)) {
               return;
             }
-            for (int k = 0; k < order; ++k) {
-              out -= a[k] * column.segment(first - 1 - k, count);
+            const auto lagged = [&](int k) { return column.segment(first - 1 - k, count); };
+            int k = 0;
+            // Four at a time: what this takes is reading and writing.
+            for (; k + 4 <= order; k += 4) {
+              out -= a[k] * lagged(k) + a[k + 1] * lagged(k + 1) + a[k + 2] * lagged(k + 2) +
+                     a[k + 3] * lagged(k + 3);
+            }
+            for (; k < order; ++k) {
+              out -= a[k] * lagged(k);
             }
           });
   return result;
@@ -250,7 +268,8 @@ Eigen::VectorXd NoiseProcess::draw(std::mt19937_64& random) const {
         const Eigen::VectorXd& a = process_.coefficients[static_cast<std::size_t>(joint)];
         double* const value = noise.col(joint).data() + t;
         double sum = sign * innovations_(row, joint);
-        for (int k = 0; k < order; ++k) {
+        // The latest value last: the processor need not wait for it until then.
+        for (int k = order - 1; k >= 0; --k) {
           sum += a[k] * value[-1 - k];
         }
         *value = sum;
@@ -275,10 +294,12 @@ double NoiseProcess::variance(const Eigen::Ref<const Eigen::VectorXd>& column) c
     for (Eigen::Index t = kBurnIn + count - 1; t >= 0; --t) {
       for (int joint = 0; joint < joints; ++joint) {
         const Eigen::VectorXd& a = process_.coefficients[static_cast<std::size_t>(joint)];
-        adds(t, joint) = t >= kBurnIn ? column[joint * data_->rows() + block.first + t - kBurnIn] : 0.0;
-        for (int k = 0; k < process_.order; ++k) {
-          adds(t, joint) += a[k] * adds(t + 1 + k, joint);
+        double* const value = adds.col(joint).data() + t;
+        double added = t >= kBurnIn ? column[joint * data_->rows() + block.first + t - kBurnIn] : 0.0;
+        for (int k = process_.order - 1; k >= 0; --k) {
+          added += a[k] * value[1 + k];
         }
+        *value = added;
       }
     }
     sum += (adds * covariance).cwiseProduct(adds).sum();

@@ -66,6 +66,10 @@ class Screening {
 
   /// One for each atom.
   const std::vector<ScreenedGroup>& groups() const noexcept { return groups_; }
+  /// E: weighted rows, the priors' rows below.
+  const Eigen::MatrixXd& explained() const noexcept { return explained_; }
+  /// Combinations of an atom's columns that are orthonormal once weighted and without the fit's share.
+  const Eigen::MatrixXd& combinations(std::size_t atom) const { return orthonormal_[atom]; }
   /// Orthonormal columns of an atom: weighted rows, the fit's share taken out, and the priors' rows below.
   Eigen::MatrixXd basis(std::size_t atom) const;
   /// Products of all atoms' bases with columns like those.
@@ -115,9 +119,9 @@ class Screening {
   const Atoms& atoms_;
   Eigen::Index joints_;
   std::shared_ptr<const Weighting> weighting_;
-  Eigen::MatrixXd explained_;  ///< E: weighted rows, the priors' rows below
+  Eigen::MatrixXd explained_;
   std::vector<Batch> batches_;
-  std::vector<Eigen::MatrixXd> orthonormal_;  ///< combinations of an atom's columns that make its basis
+  std::vector<Eigen::MatrixXd> orthonormal_;  ///< combinations() of each atom
   Eigen::MatrixXf products_;                  ///< of the basis with the draws
   std::vector<ScreenedGroup> groups_;
   std::vector<Screened> results_;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Dense>
 
@@ -18,56 +20,76 @@ bool looksAt(const ScreenedGroup& group) {
   return group.count > 0 && group.count <= kColumnsOfSecondLook;
 }
 
+/// Draws that are looked at together: enough for products of matrices.
+constexpr int kDrawsAtATime = 32;
+
 /// Looks at residuals, of the recording or drawn, all in the same way.
 class Looker {
  public:
   Looker(const Dataset& data, const ModelFit& fit, const Atoms& atoms, const Eigen::MatrixXd& nuisance,
          const Screening& screening, const Screening::Statistic& statistic)
       : data_(data), fit_(fit), atoms_(atoms), screening_(screening), statistic_(statistic) {
-    free_.resize(fit.tangent.rows(), fit.tangent.cols() + nuisance.cols());
-    free_.leftCols(fit.tangent.cols()) = fit.tangent;
-    free_.rightCols(nuisance.cols()) = nuisance;
-    weighted_free_ = fit.weighting->apply(free_);
+    const Eigen::MatrixXd& explained = screening.explained();
+    const Eigen::Index parameters = fit.tangent.cols();
+    Eigen::MatrixXd free(fit.tangent.rows(), parameters + nuisance.cols());
+    free << fit.tangent, nuisance;
+    Eigen::MatrixXd weighted = Eigen::MatrixXd::Zero(explained.rows(), free.cols());
+    weighted.topRows(explained.rows() - parameters) = fit.weighting->apply(free);
+    weighted.bottomLeftCorner(parameters, parameters) = fit.prior_weight.asDiagonal();
+    // Columns are brought to one length, or the rank would depend on units.
+    for (Eigen::Index k = 0; k < weighted.cols(); ++k) {
+      const double length = weighted.col(k).norm();
+      weighted.col(k) /= length > 0.0 ? length : 1.0;
+      free.col(k) /= length > 0.0 ? length : 1.0;
+    }
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(kSpanned);
+    solver.compute(weighted);
+    explained_Nm_ = free * solver.solve(explained);
   }
 
   struct Choice {
     std::size_t atom = 0;
     double raw_gain = 0.0;
+    Eigen::VectorXd c;  ///< products with the atom's basis
   };
   struct Look {
     Choice best;
     double unit = 1.0;  ///< mean square that the noise left brings a column of the atom
   };
 
-  /// `prior`: rows of the priors, below the weighted rows of the residual.
-  Look at(const Eigen::VectorXd& residual, const Eigen::VectorXd& prior) {
-    Eigen::VectorXd rows(weighted_free_.rows() + prior.size());
-    rows << fit_.weighting->apply(residual), prior;
-    const Choice best = mostSurprising(rows);
-    const Shape& shape = shapeOf(best.atom);
-    const NoiseProcess left(data_, residual - shape.all * shape.solver.solve(rows));
-    double unit = 0.0;
-    for (Eigen::Index k = 0; k < shape.unweighted.cols(); ++k) {
-      unit += left.variance(shape.unweighted.col(k)) +
-              std::pow(fit_.prior_scale, 2) * shape.prior.col(k).squaredNorm();
+  /// Residuals as Columns side by side. `priors`: rows of the priors, one column for each.
+  std::vector<Look> at(const Eigen::MatrixXd& residuals, const Eigen::MatrixXd& priors) {
+    const Eigen::MatrixXd& explained = screening_.explained();
+    Eigen::MatrixXd rows(explained.rows(), residuals.cols());
+    rows << fit_.weighting->apply(residuals), priors;
+    const Eigen::MatrixXf products = screening_.products(rows);
+    Eigen::MatrixXd left = residuals - explained_Nm_ * (explained.transpose() * rows);
+    std::vector<Look> looks;
+    for (Eigen::Index r = 0; r < residuals.cols(); ++r) {
+      Choice best = mostSurprising(products.col(r));
+      const Shape& shape = shapeOf(best.atom);
+      left.col(r) -= shape.taken_Nm * best.c;
+      const NoiseProcess noise(data_, left.col(r));
+      double unit = 0.0;
+      for (Eigen::Index k = 0; k < shape.dual.cols(); ++k) {
+        unit += noise.variance(shape.dual.col(k)) +
+                std::pow(fit_.prior_scale, 2) * shape.prior.col(k).squaredNorm();
+      }
+      looks.push_back({.best = std::move(best), .unit = unit / static_cast<double>(shape.dual.cols())});
     }
-    return {.best = best, .unit = unit / static_cast<double>(shape.unweighted.cols())};
+    return looks;
   }
 
  private:
-  /// Data for looking at one atom, worked out once.
+  /// Columns of an atom's basis, worked out once.
   struct Shape {
-    /// Whatever may take up something: free parameters, nuisance, the atom.
-    Eigen::MatrixXd all;
-    /// Solves for the same, weighted, with the priors' rows below.
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    /// The atom's basis: columns whose products with a residual are those of the weighted ones.
-    Eigen::MatrixXd unweighted;
-    Eigen::MatrixXd prior;  ///< the basis' rows of the priors
+    Eigen::MatrixXd taken_Nm;  ///< what they take from a residual
+    Eigen::MatrixXd dual;      ///< their products with a residual are those of the weighted ones
+    Eigen::MatrixXd prior;     ///< their rows of the priors
   };
 
-  Choice mostSurprising(const Eigen::VectorXd& rows) const {
-    const Eigen::VectorXf products = screening_.products(rows);
+  Choice mostSurprising(const Eigen::VectorXf& products) const {
     Choice best;
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t atom = 0; atom < screening_.groups().size(); ++atom) {
@@ -79,9 +101,12 @@ class Looker {
       const double value = statistic_(gain / group.unit, group.dimensions);
       if (value > most) {
         most = value;
-        best = {.atom = atom, .raw_gain = gain};
+        best.atom = atom;
+        best.raw_gain = gain;
       }
     }
+    const ScreenedGroup& group = screening_.groups()[best.atom];
+    best.c = products.segment(group.first, group.count).cast<double>();
     return best;
   }
 
@@ -90,28 +115,14 @@ class Looker {
     if (known != shapes_.end()) {
       return known->second;
     }
-    const Atom& item = atoms_.items[atom];
-    const Eigen::MatrixXd columns = atoms_.of(item);
-    Shape shape;
-    shape.all.resize(free_.rows(), free_.cols() + columns.cols());
-    shape.all.leftCols(free_.cols()) = free_;
-    shape.all.rightCols(columns.cols()) = columns;
-    const Eigen::Index priors = fit_.prior_weight.size();
-    Eigen::MatrixXd weighted = Eigen::MatrixXd::Zero(weighted_free_.rows() + priors, shape.all.cols());
-    weighted.topLeftCorner(weighted_free_.rows(), weighted_free_.cols()) = weighted_free_;
-    weighted.topRightCorner(weighted_free_.rows(), columns.cols()) = fit_.weighting->apply(columns);
-    weighted.bottomLeftCorner(priors, priors) = fit_.prior_weight.asDiagonal();
-    // Columns are brought to one length, or the rank would depend on units.
-    for (Eigen::Index k = 0; k < weighted.cols(); ++k) {
-      const double length = weighted.col(k).norm();
-      weighted.col(k) /= length > 0.0 ? length : 1.0;
-      shape.all.col(k) /= length > 0.0 ? length : 1.0;
-    }
-    shape.solver.setThreshold(kSpanned);
-    shape.solver.compute(weighted);
-    const Eigen::MatrixXd basis = screening_.basis(atom);
-    shape.unweighted = fit_.weighting->transposed(basis.topRows(weighted_free_.rows()));
-    shape.prior = basis.bottomRows(priors);
+    const Eigen::MatrixXd& explained = screening_.explained();
+    const Eigen::MatrixXd columns = atoms_.of(atoms_.items[atom]) * screening_.combinations(atom);
+    const Eigen::MatrixXd weighted = fit_.weighting->apply(columns);
+    const Eigen::MatrixXd shares = explained.topRows(weighted.rows()).transpose() * weighted;
+    const Eigen::Index priors = explained.rows() - weighted.rows();
+    Shape shape{.taken_Nm = columns - explained_Nm_ * shares,
+                .dual = fit_.weighting->transposed(weighted - explained.topRows(weighted.rows()) * shares),
+                .prior = -explained.bottomRows(priors) * shares};
     return shapes_.emplace(atom, std::move(shape)).first->second;
   }
 
@@ -120,8 +131,7 @@ class Looker {
   const Atoms& atoms_;
   const Screening& screening_;
   const Screening::Statistic& statistic_;
-  Eigen::MatrixXd free_;
-  Eigen::MatrixXd weighted_free_;
+  Eigen::MatrixXd explained_Nm_;  ///< the Columns that Screening::explained() has weighted
   std::map<std::size_t, Shape> shapes_;
 };
 
@@ -134,7 +144,7 @@ SecondLook lookAgain(const Dataset& data, const ModelFit& fit, const Atoms& atom
     return {};
   }
   Looker looker(data, fit, atoms, nuisance, screening, statistic);
-  const Looker::Look seen = looker.at(fit.residual, fit.prior_residual);
+  const Looker::Look seen = looker.at(fit.residual, fit.prior_residual).front();
   const ScreenedGroup& group = screening.groups()[seen.best.atom];
   SecondLook result{.screened = screening.results()[seen.best.atom], .p_value = 1.0};
   result.screened.gain = seen.best.raw_gain / withMotion(group, seen.unit);
@@ -144,13 +154,19 @@ SecondLook lookAgain(const Dataset& data, const ModelFit& fit, const Atoms& atom
   std::normal_distribution<double> normal;
   const NoiseProcess process(data, fit.residual);
   std::vector<double> chance;
-  for (int r = 0; r < replicates; ++r) {
-    const Eigen::VectorXd residual = process.draw(random);
-    const Eigen::VectorXd prior = Eigen::VectorXd::NullaryExpr(
-        fit.prior_weight.size(), [&] { return fit.prior_scale * normal(random); });
-    const Looker::Look drawn = looker.at(residual, prior);
-    chance.push_back(
-        statistic(drawn.best.raw_gain / drawn.unit, screening.groups()[drawn.best.atom].dimensions));
+  for (int first = 0; first < replicates; first += kDrawsAtATime) {
+    const Eigen::Index count = std::min(kDrawsAtATime, replicates - first);
+    Eigen::MatrixXd residuals(fit.residual.size(), count);
+    Eigen::MatrixXd priors(fit.prior_weight.size(), count);
+    for (Eigen::Index r = 0; r < count; ++r) {
+      residuals.col(r) = process.draw(random);
+      priors.col(r) = Eigen::VectorXd::NullaryExpr(fit.prior_weight.size(),
+                                                   [&] { return fit.prior_scale * normal(random); });
+    }
+    for (const Looker::Look& drawn : looker.at(residuals, priors)) {
+      chance.push_back(
+          statistic(drawn.best.raw_gain / drawn.unit, screening.groups()[drawn.best.atom].dimensions));
+    }
   }
   result.p_value = exceedance(chance, observed);
   return result;
