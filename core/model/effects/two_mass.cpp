@@ -34,87 +34,64 @@ inline double transmittedBy(const TwoMassParameters& parameters, double twist_ra
   return beyond_rad > 0.0 ? std::max(torque_Nm, 0.0) : pushed_Nm;
 }
 
-/// A step of the weighted implicit rule. It is linear in the motor's state and in what is given for the step,
-/// but for the torque that the law of the spring or of the contacts takes. Written so that what waits for the
-/// state of the step before is as little as can be: this loop is what simulated drives cost.
-class ImplicitStep {
- public:
-  ImplicitStep(const TwoMassParameters& parameters, double h_s) noexcept
-      : h_s_(h_s),
-        weighted_s_(kWeight * h_s),
-        stiffness_Nm_rad_(parameters.stiffness_Nm_rad),
-        damping_Nms_rad_(parameters.damping_Nms_rad),
-        by_rate_Nms_rad_(weighted_s_ * stiffness_Nm_rad_ + damping_Nms_rad_),
-        rate_rad_s_Nm_(h_s / parameters.rotor_inertia_kg_m2),
-        angle_rad_Nm_(weighted_s_ * rate_rad_s_Nm_),
-        weighted_mobility_(weighted_s_ / parameters.rotor_inertia_kg_m2),
-        solve_(1.0 / (1.0 + weighted_mobility_ * by_rate_Nms_rad_)) {}
-
- protected:
-  double h_s_;
-  double weighted_s_;
-  double stiffness_Nm_rad_;
-  double damping_Nms_rad_;
-  double by_rate_Nms_rad_;    ///< torque of the free motor per rate at the step's begin
-  double rate_rad_s_Nm_;      ///< what a torque over the step adds to the motor's rate, …
-  double angle_rad_Nm_;       ///< … and to its angle
-  double weighted_mobility_;  ///< what it adds to the rate until the rule's place in the step
-  double solve_;              ///< share of the free motor's torque that is left once it is held over the step
-};
-
-/// Between two contacts, which can only push.
-class ContactStep : ImplicitStep {
+/// The weighted implicit rule, where the law of the contact has corners.
+class ContactStep {
  public:
   ContactStep(const TwoMassParameters& parameters, double h_s) noexcept
-      : ImplicitStep(parameters, h_s),
-        play_rad_(0.5 * parameters.gap_rad),
-        at_play_Nm_(stiffness_Nm_rad_ * play_rad_) {}
+      : parameters_(parameters),
+        h_s_(h_s),
+        weighted_s_(kWeight * h_s),
+        mobility_(1.0 / parameters.rotor_inertia_kg_m2),
+        solve_(1.0 / (1.0 + weighted_s_ * mobility_ *
+                                (weighted_s_ * parameters.stiffness_Nm_rad + parameters.damping_Nms_rad))) {}
 
   TwoMassSide operator()(const TwoMassSide& motor, const TwoMassSide& link, double drive_Nm) const noexcept {
-    const double driven_rad_s = weighted_mobility_ * drive_Nm;
-    const double driven_rad = weighted_s_ * driven_rad_s - link.angle_rad;
-    const double driven_Nm =
-        stiffness_Nm_rad_ * driven_rad + damping_Nms_rad_ * (driven_rad_s - link.rate_rad_s);
-    const double twist_rad = (motor.angle_rad + driven_rad) + weighted_s_ * motor.rate_rad_s;
-    const double twisted_Nm =
-        (stiffness_Nm_rad_ * motor.angle_rad + driven_Nm) + by_rate_Nms_rad_ * motor.rate_rad_s;
-    const double ahead_Nm = twist_rad > play_rad_ ? std::max(twisted_Nm - at_play_Nm_, 0.0) : 0.0;
-    const double behind_Nm = twist_rad < -play_rad_ ? std::min(twisted_Nm + at_play_Nm_, 0.0) : 0.0;
-    const double torque_Nm = solve_ * (ahead_Nm + behind_Nm);
-    return {(motor.angle_rad + h_s_ * motor.rate_rad_s) + angle_rad_Nm_ * (drive_Nm - torque_Nm),
-            motor.rate_rad_s + rate_rad_s_Nm_ * (drive_Nm - torque_Nm)};
+    const double free_rad_s = motor.rate_rad_s + weighted_s_ * mobility_ * drive_Nm;
+    const double free_rad = motor.angle_rad + weighted_s_ * free_rad_s;
+    const double torque_Nm =
+        solve_ * transmittedBy(parameters_, free_rad - link.angle_rad, free_rad_s - link.rate_rad_s);
+    return {motor.angle_rad + h_s_ * (free_rad_s - weighted_s_ * mobility_ * torque_Nm),
+            motor.rate_rad_s + h_s_ * mobility_ * (drive_Nm - torque_Nm)};
   }
 
- private:
-  double play_rad_;
-  double at_play_Nm_;
+ protected:
+  TwoMassParameters parameters_;
+  double h_s_;
+  double weighted_s_;
+  double mobility_;
+  double solve_;  ///< share of the free motor's torque that is left once it is held over the step
 };
 
-/// On a spring without play: one step waits for a product and a sum of the one before only.
-class SpringStep : ImplicitStep {
+/// The same rule on a spring without play. It is linear in the motor's state, so that one step waits for a
+/// product and a sum of the one before only.
+class SpringStep : ContactStep {
  public:
   SpringStep(const TwoMassParameters& parameters, double h_s) noexcept
-      : ImplicitStep(parameters, h_s),
-        by_angle_Nm_rad_(solve_ * stiffness_Nm_rad_),
-        held_by_rate_Nms_rad_(solve_ * by_rate_Nms_rad_) {}
+      : ContactStep(parameters, h_s),
+        by_angle_Nm_rad_(solve_ * parameters.stiffness_Nm_rad),
+        by_rate_Nms_rad_(solve_ * (weighted_s_ * parameters.stiffness_Nm_rad + parameters.damping_Nms_rad)),
+        rate_rad_s_Nm_(h_s * mobility_),
+        angle_rad_Nm_(weighted_s_ * rate_rad_s_Nm_) {}
 
   TwoMassSide operator()(const TwoMassSide& motor, const TwoMassSide& link, double drive_Nm) const noexcept {
-    const double other_Nm =
-        drive_Nm * (1.0 - held_by_rate_Nms_rad_ * weighted_mobility_) +
-        solve_ * (stiffness_Nm_rad_ * link.angle_rad + damping_Nms_rad_ * link.rate_rad_s);
+    const double other_Nm = drive_Nm * (1.0 - by_rate_Nms_rad_ * weighted_s_ * mobility_) +
+                            solve_ * (parameters_.stiffness_Nm_rad * link.angle_rad +
+                                      parameters_.damping_Nms_rad * link.rate_rad_s);
     return {motor.angle_rad * (1.0 - angle_rad_Nm_ * by_angle_Nm_rad_) +
-                motor.rate_rad_s * (h_s_ - angle_rad_Nm_ * held_by_rate_Nms_rad_) + angle_rad_Nm_ * other_Nm,
-            motor.rate_rad_s * (1.0 - rate_rad_s_Nm_ * held_by_rate_Nms_rad_) -
+                motor.rate_rad_s * (h_s_ - angle_rad_Nm_ * by_rate_Nms_rad_) + angle_rad_Nm_ * other_Nm,
+            motor.rate_rad_s * (1.0 - rate_rad_s_Nm_ * by_rate_Nms_rad_) -
                 motor.angle_rad * (rate_rad_s_Nm_ * by_angle_Nm_rad_) + rate_rad_s_Nm_ * other_Nm};
   }
 
  private:
-  double by_angle_Nm_rad_;       ///< transmitted torque per angle of the motor, …
-  double held_by_rate_Nms_rad_;  ///< … and per rate
+  double by_angle_Nm_rad_;  ///< transmitted torque per angle of the motor, …
+  double by_rate_Nms_rad_;  ///< … and per rate
+  double rate_rad_s_Nm_;    ///< what a torque over the step adds to the motor's rate, …
+  double angle_rad_Nm_;     ///< … and to its angle
 };
 
 bool isLinear(const TwoMassParameters& parameters) noexcept {
-  return parameters.pulls;
+  return parameters.pulls && parameters.gap_rad == 0.0;
 }
 
 int substepsOf(double dt_s, double substep_s) noexcept {
@@ -215,7 +192,7 @@ TwoMassSide TwoMass::stepped(const TwoMassSide& from, const TwoMassCourse& cours
   const double h = dt_s / substeps;
   const double per_substep = 1.0 / substeps;
   const auto follow = [&](auto step) {
-    // A copy that stays in registers.
+    // A copy that stays in registers: the loop is what simulated drives cost.
     TwoMassSide motor = from;
     for (int i = 0; i < substeps; ++i) {
       const double s = (i + kWeight) * per_substep;

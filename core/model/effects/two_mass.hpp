@@ -13,7 +13,7 @@ struct TwoMassParameters {
   double stiffness_Nm_rad = 0.0;     ///< > 0
   double damping_Nms_rad = 0.0;      ///< while the spring is in contact
   double rotor_inertia_kg_m2 = 0.0;  ///< > 0, seen at the joint
-  double gap_rad = 0.0;              ///< play from contact to contact; a spring has none
+  double gap_rad = 0.0;              ///< play from contact to contact
   bool pulls = true;                 ///< a spring; otherwise two contacts, which can only push
 };
 

@@ -1,6 +1,6 @@
 #include "drivers/can/dbc.hpp"
 
-#include <chrono>
+#include <ctime>
 #include <stdexcept>
 #include <string>
 
@@ -11,6 +11,10 @@
 using namespace patella::can;
 
 namespace {
+
+/// What would take hours without a limit takes less of the processor's time, under emulation and sanitizers
+/// too.
+const std::clock_t kNotSlow = 60 * CLOCKS_PER_SEC;
 
 /// The located message with which a description is refused; empty where it is read.
 std::string errorOf(const std::string& text) {
@@ -173,9 +177,9 @@ TEST_CASE(
   std::string large;
   for (int id = 0; id < 20; ++id)
     large += multiplexed(id, 1024);
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   CHECK(parseDbc(large, "x.dbc").messages.size() == 20);
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));  // sanitizers take ten times
+  CHECK(std::clock() - start < kNotSlow);
   CHECK(errorOf(multiplexed(1, 1025)).find("more than 1024 signals of a message, expected at most 1024") !=
         std::string::npos);
 
@@ -213,7 +217,7 @@ TEST_CASE(
           "SG_MUL_VAL_ 1 " + below + " " + name + " " + std::to_string(i) + "-" + std::to_string(i) + ";\n";
     }
   }
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   CHECK(parseDbc(signals + ranges, "x.dbc").messages.front().signals.size() == 803);
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));  // sanitizers take ten times
+  CHECK(std::clock() - start < kNotSlow);
 }

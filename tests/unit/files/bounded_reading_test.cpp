@@ -1,5 +1,5 @@
 // Names that lead to no ordinary file, and files that are larger or deeper than any of their kind.
-#include <chrono>
+#include <ctime>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -23,6 +23,10 @@ using patella::test::messageOf;
 using patella::test::ScratchFolder;
 
 namespace {
+
+/// What would take hours without a limit takes less of the processor's time, under emulation and sanitizers
+/// too.
+const std::clock_t kNotSlow = 60 * CLOCKS_PER_SEC;
 
 std::string repeated(const std::string& part, int times) {
   std::string text;
@@ -133,13 +137,13 @@ TEST_CASE("TOML that is nested deeper than the stack is refused with its line") 
         "x.toml:3: more than 16 parts of a dotted key, expected at most 16");
   CHECK(tomlRefusal("x = [" + repeated("1,", 300'000) + "]") ==
         "x.toml:1: more than 20000 keys and elements, expected at most 20000");
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   CHECK_NOTHROW(TomlDocument::parse("x = [" + repeated("1,", 19'990) + "]", "x.toml"));
   std::string keys;
   for (int i = 0; i < 19'990; ++i)
     keys += "k" + std::to_string(i) + "=" + std::string(20, '1' + static_cast<char>(i % 9)) + "\n";
   tomlRefusal(keys);
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
+  CHECK(std::clock() - start < kNotSlow);
 }
 
 TEST_CASE("a quote hides nothing from the scan that the parser would see") {
