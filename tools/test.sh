@@ -177,36 +177,41 @@ test_sanitizer() {
   build "$preset" patella_tests "${compiler[@]}" && ctest --preset "$preset" -j "$(nproc)"
 }
 
-# Tests that keep wall time (User-mode Linux, the page in a browser) sleep most of it. Everything else runs then, in two
-# rows, and gives way to them; the emulated board counts instructions, and does not mind.
-give_way() { chrt --idle --pid 0 "$BASHPID" || true; }
+# Tests that keep wall time (User-mode Linux, the page in a browser) sleep most of it. The release build's other tests run
+# then, and give way to them. They compute: what compiles holds processors in the kernel, too long for an emulated loop.
 row_of_release() {
-  give_way
+  chrt --idle --pid 0 "$BASHPID" || true
   part "style, and documentation of the API" check_style &&
     part "tests: release" ctest --preset release -j "$(($(nproc) + 1))" -LE wall_time &&
     part "fuzz: what is in the tree, and some seconds of chance" tests/fuzz/run.sh short &&
     part "lint" tools/checks/tidy.py build/release
 }
-row_of_other_builds() {
-  give_way
-  # The unit tests that depend on processor or libraries: byte order, the heap's symbols, the lines.
-  part "board: the emulated arm64, and tests under user emulation" run_board allocation_counter_test can_test gpiod_pins_test &&
-    part "sanitizers: address and undefined behaviour" test_sanitizer asan &&
+# Scenarios of the board count instructions, and do not mind what runs beside them. Of the unit tests those run there that
+# depend on processor or libraries: byte order, the heap's symbols, the lines.
+row_of_board() {
+  part "board: the emulated arm64, and tests under user emulation" run_board allocation_counter_test can_test gpiod_pins_test
+}
+row_of_sanitizers() {
+  part "sanitizers: address and undefined behaviour" test_sanitizer asan &&
     part "sanitizers: thread" test_sanitizer tsan &&
     part "sanitizers: realtime" test_sanitizer rtsan
 }
+rows=()
 # Rows have process groups of their own, so that they end with this.
-set -m
-row_of_release &
-rows=($!)
-row_of_other_builds &
-rows+=($!)
-set +m
+start() {
+  set -m
+  "$1" &
+  rows+=($!)
+  set +m
+}
 trap 'kill -- "${rows[@]/#/-}" 2>/dev/null' EXIT
 
 failed=0
+start row_of_release
 part "tests: release, in wall time and in User-mode Linux" \
   ctest --preset release -j "$(nproc)" "${again[@]}" -L wall_time || failed=$?
+start row_of_board
+start row_of_sanitizers
 for row in "${rows[@]}"; do
   wait "$row" || failed=$?
 done
