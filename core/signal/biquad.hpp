@@ -18,13 +18,11 @@ struct BiquadCoefficients {
   double a2 = 0.0;
 };
 
-/// The states of the transposed direct form II, which sums terms of like size. Written by its states, so that
-/// a sample waits for one product and one sum of the sample before.
+/// Transposed direct form II: the fewest states, and sums of terms of like size.
 class Biquad {
  public:
   Biquad() noexcept = default;
-  explicit Biquad(const BiquadCoefficients& coefficients) noexcept
-      : c_(coefficients), in1_(c_.b1 - c_.a1 * c_.b0), in2_(c_.b2 - c_.a2 * c_.b0) {}
+  explicit Biquad(const BiquadCoefficients& coefficients) noexcept : c_(coefficients) {}
 
   double step(double x) noexcept PATELLA_NONBLOCKING {
     const double y = advance(x);
@@ -34,10 +32,10 @@ class Biquad {
 
   /// step() without flush(), for signals that are at hand as a whole.
   double advance(double x) noexcept PATELLA_NONBLOCKING {
-    const double before = s1_;
-    s1_ = (in1_ * x + s2_) - c_.a1 * before;
-    s2_ = in2_ * x - c_.a2 * before;
-    return c_.b0 * x + before;
+    const double y = c_.b0 * x + s1_;
+    s1_ = c_.b1 * x - c_.a1 * y + s2_;
+    s2_ = c_.b2 * x - c_.a2 * y;
+    return y;
   }
 
   /// A filter that fades into silence would end in denormal numbers, which cost a hundred times a normal
@@ -59,8 +57,6 @@ class Biquad {
 
  private:
   BiquadCoefficients c_;
-  double in1_ = 0.0;  ///< what an input adds to the states
-  double in2_ = 0.0;
   double s1_ = 0.0;
   double s2_ = 0.0;
 };
