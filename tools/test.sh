@@ -180,7 +180,6 @@ test_sanitizer() {
 # Tests that keep wall time (User-mode Linux, the page in a browser) sleep most of it. The release build's other tests run
 # then, and give way to them. They compute: what compiles holds processors in the kernel, too long for an emulated loop.
 row_of_release() {
-  chrt --idle --pid 0 "$BASHPID" || true
   part "style, and documentation of the API" check_style &&
     part "tests: release" ctest --preset release -j "$(($(nproc) + 1))" -LE wall_time &&
     part "fuzz: what is in the tree, and some seconds of chance" tests/fuzz/run.sh short &&
@@ -197,10 +196,10 @@ row_of_sanitizers() {
     part "sanitizers: realtime" test_sanitizer rtsan
 }
 rows=()
-# Rows have process groups of their own, so that they end with this.
+# Rows give way to what keeps wall time, and have process groups of their own, so that they end with this.
 start() {
   set -m
-  "$1" &
+  { chrt --idle --pid 0 "$BASHPID" || true; "$1"; } &
   rows+=($!)
   set +m
 }
