@@ -65,24 +65,29 @@ Eigen::MatrixXd weightedDraws(const Dataset& data, const ModelFit& fit, int coun
   return draws;
 }
 
-Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
+FreeColumns freeColumns(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
                         const Eigen::MatrixXd& nuisance) {
   const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent);
-  Eigen::MatrixXd tangent =
-      Eigen::MatrixXd::Zero(slope.rows() + slope.cols(), slope.cols() + nuisance.cols());
-  tangent.topLeftCorner(slope.rows(), slope.cols()) = slope;
-  tangent.bottomLeftCorner(slope.cols(), slope.cols()) = prior_weight.asDiagonal();
+  FreeColumns free{
+      .weighted = Eigen::MatrixXd::Zero(slope.rows() + slope.cols(), slope.cols() + nuisance.cols()),
+      .length = {}};
+  free.weighted.topLeftCorner(slope.rows(), slope.cols()) = slope;
+  free.weighted.bottomLeftCorner(slope.cols(), slope.cols()) = prior_weight.asDiagonal();
   if (nuisance.cols() > 0) {
-    tangent.topRightCorner(slope.rows(), nuisance.cols()) = fit.weighting->apply(nuisance);
+    free.weighted.topRightCorner(slope.rows(), nuisance.cols()) = fit.weighting->apply(nuisance);
   }
-  // Columns are brought to one length, or the rank would depend on units.
-  for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
-    const double length = tangent.col(k).norm();
-    tangent.col(k) /= length > 0.0 ? length : 1.0;
-  }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tangent);
-  qr.setThreshold(1e-7);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), qr.rank());
+  const Eigen::VectorXd length = free.weighted.colwise().norm();
+  free.length = (length.array() > 0.0).select(length, 1.0);
+  free.weighted = free.weighted * free.length.cwiseInverse().asDiagonal();
+  return free;
+}
+
+Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
+                        const Eigen::MatrixXd& nuisance) {
+  const FreeColumns free = freeColumns(fit, prior_weight, nuisance);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(free.weighted);
+  qr.setThreshold(kSpanned);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(free.weighted.rows(), qr.rank());
 }
 
 Eigen::MatrixXd Atoms::of(const Atom& atom) const {

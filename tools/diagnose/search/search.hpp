@@ -38,6 +38,17 @@ struct Atoms {
   std::optional<int> onlyJoint(const Atom& atom) const;
 };
 
+/// Share of its length below which what others leave of a column is rounding.
+inline constexpr double kSpanned = 1e-7;
+
+/// Columns of a fit's parameters and nuisance columns: weighted rows, below them those of the priors.
+struct FreeColumns {
+  Eigen::MatrixXd weighted;  ///< brought to one length, or a rank would depend on units
+  Eigen::VectorXd length;    ///< that they had; 1 for a column of zeros
+};
+FreeColumns freeColumns(const ModelFit& fit, const Eigen::VectorXd& prior_weight,
+                        const Eigen::MatrixXd& nuisance = {});
+
 /// Orthonormal basis of what a fit's parameters and nuisance columns can take up: weighted rows, below them
 /// those of the priors.
 Eigen::MatrixXd takenUp(const ModelFit& fit, const Eigen::VectorXd& prior_weight,

@@ -13,9 +13,6 @@
 namespace patella::diagnose {
 namespace {
 
-/// Columns of which the others leave less than this share take up nothing of their own.
-constexpr double kSpanned = 1e-7;
-
 bool looksAt(const ScreenedGroup& group) {
   return group.count > 0 && group.count <= kColumnsOfSecondLook;
 }
@@ -29,23 +26,13 @@ class Looker {
   Looker(const Dataset& data, const ModelFit& fit, const Atoms& atoms, const Eigen::MatrixXd& nuisance,
          const Screening& screening, const Screening::Statistic& statistic)
       : data_(data), fit_(fit), atoms_(atoms), screening_(screening), statistic_(statistic) {
-    const Eigen::MatrixXd& explained = screening.explained();
-    const Eigen::Index parameters = fit.tangent.cols();
-    Eigen::MatrixXd free(fit.tangent.rows(), parameters + nuisance.cols());
-    free << fit.tangent, nuisance;
-    Eigen::MatrixXd weighted = Eigen::MatrixXd::Zero(explained.rows(), free.cols());
-    weighted.topRows(explained.rows() - parameters) = fit.weighting->apply(free);
-    weighted.bottomLeftCorner(parameters, parameters) = fit.prior_weight.asDiagonal();
-    // Columns are brought to one length, or the rank would depend on units.
-    for (Eigen::Index k = 0; k < weighted.cols(); ++k) {
-      const double length = weighted.col(k).norm();
-      weighted.col(k) /= length > 0.0 ? length : 1.0;
-      free.col(k) /= length > 0.0 ? length : 1.0;
-    }
+    const FreeColumns free = freeColumns(fit, fit.prior_weight, nuisance);
+    Eigen::MatrixXd free_Nm(fit.tangent.rows(), free.length.size());
+    free_Nm << fit.tangent, nuisance;
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
     solver.setThreshold(kSpanned);
-    solver.compute(weighted);
-    explained_Nm_ = free * solver.solve(explained);
+    solver.compute(free.weighted);
+    explained_Nm_ = free_Nm * free.length.cwiseInverse().asDiagonal() * solver.solve(screening.explained());
   }
 
   struct Choice {
