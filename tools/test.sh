@@ -179,7 +179,9 @@ test_sanitizer() {
 
 # Tests that keep wall time (User-mode Linux, the page in a browser) sleep most of it. The release build's other tests run
 # then, and give way to them. They compute: what compiles holds processors in the kernel, too long for an emulated loop.
+give_way() { chrt --idle --pid 0 "$BASHPID" || true; }
 row_of_release() {
+  give_way
   part "style, and documentation of the API" check_style &&
     part "tests: release" ctest --preset release -j "$(($(nproc) + 1))" -LE wall_time &&
     part "fuzz: what is in the tree, and some seconds of chance" tests/fuzz/run.sh short &&
@@ -188,18 +190,20 @@ row_of_release() {
 # Scenarios of the board count instructions, and do not mind what runs beside them. Of the unit tests those run there that
 # depend on processor or libraries: byte order, the heap's symbols, the lines.
 row_of_board() {
+  give_way
   part "board: the emulated arm64, and tests under user emulation" run_board allocation_counter_test can_test gpiod_pins_test
 }
+# Some tests of sanitizers keep wall time, too.
 row_of_sanitizers() {
   part "sanitizers: address and undefined behaviour" test_sanitizer asan &&
     part "sanitizers: thread" test_sanitizer tsan &&
     part "sanitizers: realtime" test_sanitizer rtsan
 }
 rows=()
-# Rows give way to what keeps wall time, and have process groups of their own, so that they end with this.
+# Rows have process groups of their own, so that they end with this.
 start() {
   set -m
-  { chrt --idle --pid 0 "$BASHPID" || true; "$1"; } &
+  "$1" &
   rows+=($!)
   set +m
 }
