@@ -106,10 +106,10 @@ class Looker {
     const Eigen::MatrixXd columns = atoms_.of(atoms_.items[atom]) * screening_.combinations(atom);
     const Eigen::MatrixXd weighted = fit_.weighting->apply(columns);
     const Eigen::MatrixXd shares = explained.topRows(weighted.rows()).transpose() * weighted;
-    const Eigen::Index priors = explained.rows() - weighted.rows();
+    const Eigen::MatrixXd basis = screening_.basis(atom);
     Shape shape{.taken_Nm = columns - explained_Nm_ * shares,
-                .dual = fit_.weighting->transposed(weighted - explained.topRows(weighted.rows()) * shares),
-                .prior = -explained.bottomRows(priors) * shares};
+                .dual = fit_.weighting->transposed(basis.topRows(weighted.rows())),
+                .prior = basis.bottomRows(basis.rows() - weighted.rows())};
     return shapes_.emplace(atom, std::move(shape)).first->second;
   }
 
