@@ -2,122 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
-#include <sstream>
 
 #include <toml++/toml.h>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/toml_lookup.hpp"
 #include "firmware_app/files/toml_shape.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
 
-struct TomlState {
-  toml::table root;
-  std::string file;
-  std::map<const void*, std::set<std::string, std::less<>>> asked;  // per table
-};
-
 namespace {
-
-const toml::table& tableOf(const void* node) {
-  return *static_cast<const toml::table*>(node);
-}
-
-std::uint32_t lineOf(const toml::node& node) {
-  return std::max(node.source().begin.line, 1U);
-}
-
-/// A value as the file shows it, shortened.
-std::string shown(const toml::node& node) {
-  if (node.is_table()) {
-    return "a table";
-  }
-  if (const toml::value<double>* number = node.as_floating_point()) {
-    return formatNumber(number->get());
-  }
-  std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
-  constexpr std::size_t kLongest = 60;
-  std::string result = text.str();
-  if (result.size() > kLongest) {
-    result = result.substr(0, kLongest) + "...";
-  }
-  return result;
-}
-
-std::string expectedNumber(const Range& range) {
-  const std::string bounds = range.text();
-  return bounds.empty() ? "a finite number" : "a number " + bounds;
-}
-
-std::string expectedCount(const CountRange& count) {
-  if (count.minimum == count.maximum) {
-    return "an array of " + std::to_string(count.minimum);
-  }
-  if (count.maximum == CountRange{}.maximum) {
-    return "an array of at least " + std::to_string(count.minimum);
-  }
-  return "an array of " + std::to_string(count.minimum) + " to " + std::to_string(count.maximum);
-}
-
-/// Finds a key for a getter: marks it as known and reports what is wrong with it.
-struct Lookup {
-  TomlState& state;
-  const TomlTable& table;
-  const void* table_node;
-  std::string key;
-  std::string expected;
-  const toml::node* node = nullptr;
-
-  Lookup(TomlState& in_state, const TomlTable& in_table, const void* in_node, std::string_view in_key,
-         std::string in_expected)
-      : state(in_state), table(in_table), table_node(in_node), key(in_key), expected(std::move(in_expected)) {
-    if (table_node != nullptr) {
-      state.asked[table_node].emplace(key);
-      node = tableOf(table_node).get(key);
-    }
-  }
-
-  const toml::node& require() const {
-    if (node == nullptr) {
-      std::vector<std::string> unread = table.keys();
-      std::erase_if(unread, [&](const std::string& name) { return state.asked[table_node].contains(name); });
-      const std::string like = nearestName(key, unread);
-      throw FileError(state.file + ":" + std::to_string(table.line()) + ": key '" + table.fullName(key) +
-                      "' is missing, expected " + expected +
-                      (like.empty() ? "" : "; there is '" + like + "' in its place"));
-    }
-    return *node;
-  }
-
-  [[noreturn]] void reject(const toml::node& culprit) const {
-    throw FileError(state.file + ":" + std::to_string(lineOf(culprit)) + ": key '" + table.fullName(key) +
-                    "': value " + shown(culprit) + ", expected " + expected);
-  }
-
-  double readNumber(const toml::node& value, const Range& range) const {
-    const auto number = value.is_number() ? value.value<double>() : std::nullopt;
-    if (!number || !range.contains(*number)) {
-      reject(value);
-    }
-    return *number;
-  }
-
-  const toml::array& readArray(const CountRange& count) const {
-    const toml::array* array = require().as_array();
-    if (array == nullptr) {
-      reject(*node);
-    }
-    if (array->size() < count.minimum || array->size() > count.maximum) {
-      throw FileError(state.file + ":" + std::to_string(lineOf(*node)) + ": key '" + table.fullName(key) +
-                      "': " + std::to_string(array->size()) + " elements, expected " + expected);
-    }
-    return *array;
-  }
-};
 
 void collectUnread(const TomlState& state, const toml::table& table, const std::string& prefix,
                    std::vector<std::pair<std::uint32_t, std::string>>& unread) {

@@ -9,6 +9,7 @@
 #include "core/safety/leaky_score.hpp"
 #include "drivers/can/bad_frames.hpp"
 #include "tools/bench/faults/scenario.hpp"
+#include "tools/bench/faults/sight.hpp"
 #include "tools/bench/faults/stall_schedule.hpp"
 
 namespace patella::bench {
@@ -23,104 +24,6 @@ constexpr double kSample_s = 1e-3;
 constexpr double kMargin_s = 2.0 * kSample_s;
 /// A condition that lasts but a sample longer than tolerated may be judged either way.
 constexpr double kUncertain_s = 2.0 * kSample_s;
-
-// Whether the frames that show `event` are among those that `other` does something to.
-bool shareFrames(const FaultEvent& event, const FaultEvent& other) {
-  switch (sim::channelGroup(event.kind)) {
-    case sim::ChannelGroup::kFrames:
-      return event.channel == FaultEvent::kAll || other.concerns(event.channel);
-    case sim::ChannelGroup::kEncoder:
-      return other.concerns(
-          static_cast<int>(event.channel == 0 ? FrameChannel::kEncoder1 : FrameChannel::kEncoder2));
-    case sim::ChannelGroup::kEmg:
-      return other.concerns(static_cast<int>(FrameChannel::kEmg));
-    default:
-      return true;
-  }
-}
-
-// The most of `samples` that a fault which takes each with `probability` takes: more is rarer than once in a
-// hundred campaigns of ten thousand runs.
-int mostTaken(int samples, double probability) {
-  constexpr double kRarer = 1e-6;
-  double share = std::pow(1.0 - probability, samples);  // binomial, of exactly `taken`
-  double more = 1.0 - share;
-  int taken = 0;
-  while (more > kRarer && taken < samples) {
-    share *= (samples - taken) * probability / ((taken + 1) * (1.0 - probability));
-    more -= share;
-    ++taken;
-  }
-  return taken;
-}
-
-// A fault as the loop can see it, sample by sample from its effect on.
-class Sight {
- public:
-  Sight(const std::vector<FaultEvent>& faults, std::size_t index, double effect_s)
-      : faults_(faults), event_(faults[index]), effect_s_(effect_s) {}
-
-  /// Calls judge(t, there, heard) for each sample: whether the fault is there, and whether the sample comes
-  /// through at all. What takes samples by chance takes those that show the fault, as many as it can be
-  /// expected to. Returns the first t for which it says true.
-  template <typename Judge>
-  std::optional<double> walk(double period_s, Judge&& judge) const {
-    const auto first = static_cast<std::int64_t>(std::ceil(effect_s_ / period_s - 1e-6));
-    int shown = 0;
-    int taken = 0;
-    for (std::int64_t k = first; static_cast<double>(k) * period_s < kTrialDuration_s; ++k) {
-      const double t = static_cast<double>(k) * period_s;
-      const bool there = event_.activeAt(t);
-      const double probability = hidingProbability(t);
-      bool heard = probability < 1.0;
-      if (heard && there && probability > 0.0 && taken < mostTaken(++shown, probability)) {
-        ++taken;
-        heard = false;
-      }
-      if (judge(t, there, heard)) {
-        return t;
-      }
-    }
-    return std::nullopt;
-  }
-  const FaultEvent& event() const { return event_; }
-
- private:
-  // That another fault keeps a sample from coming, or shows something else in its place.
-  double hidingProbability(double t) const {
-    double most = 0.0;
-    for (const FaultEvent& other : faults_) {
-      if (&other != &event_ && other.activeAt(t) && hides(other)) {
-        most = std::max(most, other.probability);
-      }
-    }
-    return most;
-  }
-  bool hides(const FaultEvent& other) const {
-    switch (other.kind) {
-      case FaultKind::kEncoderFreeze:
-        return sim::channelGroup(event_.kind) == sim::ChannelGroup::kEncoder &&
-               other.channel == event_.channel;
-      case FaultKind::kLostFrames:
-      case FaultKind::kDelayedFrames:
-      case FaultKind::kReorderedFrames:
-      case FaultKind::kFlippedBits:
-      case FaultKind::kForgedFrames:
-        return shareFrames(event_, other);
-      case FaultKind::kRigStall:
-      case FaultKind::kPeerRestart:
-      case FaultKind::kBusOff:
-      case FaultKind::kInterfaceDown:
-        return true;
-      default:
-        return false;
-    }
-  }
-
-  const std::vector<FaultEvent>& faults_;
-  const FaultEvent& event_;
-  double effect_s_;
-};
 
 std::optional<double> earlier(std::optional<double> one, std::optional<double> other) {
   return one && other ? std::min(*one, *other) : one ? one : other;
