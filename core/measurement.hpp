@@ -42,8 +42,9 @@ struct Measurement {
   /// enters them.
   int encoder_steps = 0;
   int emg_steps = 0;                      ///< likewise for EMG
-  std::int64_t encoder_monotonic_ns = 0;  ///< loop clock at which the newest encoder frame was taken in
-  std::int64_t encoder_wall_ns = 0;       ///< its stamp from the bus, wall clock
+  /// Loop clock at which the oldest of the joints' newest encoder frames arrived.
+  std::int64_t encoder_monotonic_ns = 0;
+  std::int64_t encoder_wall_ns = 0;  ///< stamp of the newest one of all joints
 
   JointVector true_f_u;  ///< simulated rigs only, rad/s²
   bool has_truth = false;

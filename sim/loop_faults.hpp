@@ -115,9 +115,8 @@ class DisturbedPins final : public gpio::Pins {
   bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING override {
     return pins_.setDriveEnable(enabled);
   }
-  void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override { pins_.setHeartbeat(level); }
+  bool setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override { return pins_.setHeartbeat(level); }
   void setWatchdogHeartbeat(bool level) noexcept override { pins_.setWatchdogHeartbeat(level); }
-  std::uint64_t errors() const noexcept override { return pins_.errors(); }
 
  private:
   gpio::Pins& pins_;

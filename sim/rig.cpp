@@ -306,6 +306,7 @@ void Rig::send(const can::Frame& frame, FrameChannel channel) noexcept {
 
 void Rig::queue(can::Frame frame) noexcept {
   frame.monotonic_ns = now_ns_;
+  frame.wall_ns = now_ns_ + wallStep_ns();
   if (queue_.push(frame)) {
     ++statistics_.frames_queued;
   } else {

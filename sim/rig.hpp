@@ -97,7 +97,8 @@ class Rig {
       const can::Database& database);
 
   /// Lives up to and including `to_ns`, of any clock that does not go back; the first call sets the rig's
-  /// first instant. Frames come into the queue with monotonic_ns the instant of their sample on that clock.
+  /// first instant. Frames come into the queue with monotonic_ns the instant of their sample on that clock,
+  /// and wall_ns with the script's steps of a wall clock on top.
   void advance(std::int64_t to_ns) noexcept PATELLA_NONBLOCKING;
   /// A frame on the bus, at the instant to which the rig has advanced: a valid torque command acts from there
   /// on, an invalid one is counted, anything else is not for the rig.

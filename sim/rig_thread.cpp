@@ -45,12 +45,17 @@ void RigThread::stop() noexcept {
 std::size_t RigThread::receive(std::span<can::Frame> frames,
                                std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
   errors_.beginReceive();
+  arrivals_.begin(now_ns, now_ns + wall_step_ns_.load(std::memory_order_relaxed));
   std::size_t count = 0;
   while (count < frames.size() && to_loop_.pop(frames[count])) {
     can::Frame& frame = frames[count++];
-    frame.monotonic_ns = now_ns;
+    frame.monotonic_ns = arrivals_.of(frame.wall_ns);
+    frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
     errors_.observe(frame, statistics_[frame.bus]);
     statistics_[frame.bus].frames_received += frame.error ? 0U : 1U;
+  }
+  if (count < frames.size()) {
+    arrivals_.emptied();
   }
   return count;
 }
@@ -61,7 +66,7 @@ can::SendResult RigThread::send(can::Frame& frame, std::int64_t now_ns) noexcept
     return can::SendResult::kDown;
   }
   frame.monotonic_ns = now_ns;
-  frame.wall_ns = now_ns + wall_offset_ns_ + wall_step_ns_.load(std::memory_order_relaxed);
+  frame.wall_ns = now_ns + wall_offset_ns_;
   if (!to_rig_.push(frame)) {
     ++statistics_[frame.bus].send_failed;
     return can::SendResult::kQueueFull;
@@ -95,7 +100,6 @@ void RigThread::run() noexcept {
     rig_.advance(instant_ns);
     wall_step_ns_.store(rig_.wallStep_ns(), std::memory_order_relaxed);
     while (rig_.pop(frame)) {
-      frame.wall_ns = frame.monotonic_ns + wall_offset_ns_ + rig_.wallStep_ns();
       if (!to_loop_.push(frame)) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
       }

@@ -1,6 +1,7 @@
 // The in-process rig in lock step with the loop: time passes for it only when the loop looks at its bus.
 #pragma once
 
+#include "drivers/can/arrival_clock.hpp"
 #include "drivers/can/bus.hpp"
 #include "drivers/can/error_monitor.hpp"
 #include "drivers/clock/clock.hpp"
@@ -13,11 +14,11 @@ namespace patella::sim {
 /// bit, whatever the machine. For one thread.
 class SimulatedBus final : public can::Bus {
  public:
-  /// Both must outlive the bus. Wall-clock stamps keep the offset between the clock's two times found here.
+  /// Both must outlive the bus. Stamps keep the offset between the clock's two times found here.
   SimulatedBus(Rig& rig, const Clock& clock) noexcept
       : rig_(rig), wall_offset_ns_(clock.wallNow() - clock.now()) {}
 
-  /// Frames: wall_ns the instant of their sample, monotonic_ns the delivery.
+  /// The stamps by which frames come step with the wall clock, as the rig's script says.
   std::size_t receive(std::span<can::Frame> frames,
                       std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
   can::SendResult send(can::Frame& frame, std::int64_t now_ns) noexcept PATELLA_NONBLOCKING override;
@@ -31,6 +32,7 @@ class SimulatedBus final : public can::Bus {
  private:
   Rig& rig_;
   std::int64_t wall_offset_ns_;
+  can::ArrivalClock arrivals_;
   can::BusCounters statistics_;
   can::ErrorMonitor errors_;
 };

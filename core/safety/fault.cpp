@@ -15,7 +15,8 @@ std::string_view faultName(Fault fault) noexcept {
       "drive_not_following",  "drive_over_torque", "emg_electrode_off",
       "emg_saturated",        "emg_hum",           "watchdog",
       "foreign_command",      "command_late",      "drive_not_entered",
-      "drive_left",           "drive_emergency",   "drive_offline"};
+      "drive_left",           "drive_emergency",   "drive_offline",
+      "frame_implausible",    "line_refused"};
   const auto index = static_cast<std::size_t>(fault);
   return index < kNames.size() ? kNames[index] : "unknown";
 }

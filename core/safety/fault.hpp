@@ -40,10 +40,14 @@ enum class Fault : std::uint8_t {
   kDriveLeft,            ///< a drive that was enabled no longer is, and nobody told it so
   kDriveEmergency,       ///< a CANopen drive sent an emergency
   kDriveOffline,         ///< a CANopen drive's heartbeat is missing, or it is not what the set-up made of it
+  kFrameImplausible,  ///< a drive's or electrodes' values out of their declared ranges beyond the tolerated
+                      ///< count
+  kLineRefused,       ///< an output line did not take its level
   kCount
 };
 
 inline constexpr int kFaultCount = static_cast<int>(Fault::kCount);
+static_assert(kFaultCount <= 32, "FaultSet, records and messages have 32 bits");
 
 /// snake_case name for logs and summaries.
 std::string_view faultName(Fault fault) noexcept;

@@ -181,7 +181,7 @@ void Tick::estimateNetwork(int encoder_steps) noexcept {
   }
   output_.has_network = output_.f_network.allFinite();
   const JointVector difference_Nm = front_.terms().inertia * (output_.f_network - output_.f_s_filtered);
-  network_trusted_ = network_monitor_.trusted(difference_Nm, settings_.period_s);
+  network_trusted_ = network_monitor_.trusted(difference_Nm, encoder_steps * settings_.encoder_period_s);
 }
 
 // The network only ever gives way to the observer.

@@ -48,8 +48,10 @@ class Remarks {
   }
 
   void missingInputs(const BusMap& map) {
-    constexpr std::array<std::pair<Input, const char*>, 5> kWanted = {
-        {{Input::kDriveTorque, "a drive that does not follow, or exceeds the limit, goes unseen"},
+    constexpr std::array<std::pair<Input, const char*>, 6> kWanted = {
+        {{Input::kVelocity,
+          "encoder_inconsistent cannot be found; a frozen or drifting encoder shows as following_error only"},
+         {Input::kDriveTorque, "a drive that does not follow, or exceeds the limit, goes unseen"},
          {Input::kDriveEnabled, "a drive that stays enabled against the command goes unseen"},
          {Input::kDriveFault, "a drive's own faults stop nothing"},
          {Input::kOperatorEnable, "torque never flows"},

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drivers/can/binding_check.hpp"
+#include "drivers/can/named_binding.hpp"
 
 namespace patella::can {
 
@@ -98,6 +99,13 @@ void DriveCommand::put(Frame& frame, const std::optional<Output>& output, double
     encoder_.set(frame, output->slot, (value - output->offset) / output->scale);
 }
 
+bool DriveCommand::carries(int joint, double torque_Nm) const noexcept {
+  const Output& output = *torques_[static_cast<std::size_t>(joint)];
+  const double value = (torque_Nm - output.offset) / output.scale;
+  Frame frame = blank_;
+  return layout().signal(output.slot).inRange(value) && encoder_.set(frame, output.slot, value);
+}
+
 Frame DriveCommand::encode(const Command& command, std::uint16_t controlword) const noexcept {
   Frame frame = blank_;
   const bool finite = command.torque_Nm.allFinite();
@@ -136,6 +144,19 @@ CommandEncoder::CommandEncoder(const Database& database, std::span<const Command
          {safety::DriveFrames::kEnter, safety::DriveFrames::kLeave, safety::DriveFrames::kClear}) {
       for (const Frame& frame : drive.frames(which)) {
         note(frame);
+      }
+    }
+  }
+}
+
+void CommandEncoder::requireTorque(const safety::SafetyLimits& limits) const {
+  for (const DriveCommand& drive : drives_) {
+    for (int joint = 0; joint < kMaxJoints; ++joint) {
+      const double limit_Nm = limits.joint[static_cast<std::size_t>(joint)].torque_Nm;
+      if (drive.moves(joint) && !(drive.carries(joint, limit_Nm) && drive.carries(joint, -limit_Nm))) {
+        throw std::invalid_argument("output 'torque_Nm." + std::to_string(joint + 1) + "' of message '" +
+                                    drive.layout().name() + "' does not carry ±" + digits(limit_Nm) +
+                                    " N·m, expected the limit of safety.torque_Nm within its signal's range");
       }
     }
   }

@@ -10,6 +10,7 @@
 
 #include "core/measurement.hpp"
 #include "core/safety/drive_entry.hpp"
+#include "core/safety/safety_limiter.hpp"
 #include "core/types.hpp"
 #include "drivers/can/bus_map.hpp"
 #include "drivers/can/can_frame.hpp"
@@ -35,6 +36,8 @@ class DriveCommand {
   std::span<const Frame> frames(safety::DriveFrames which) const noexcept PATELLA_NONBLOCKING;
   const safety::DriveEntrySettings& entry() const noexcept { return entry_; }
   bool moves(int joint) const noexcept { return torques_[static_cast<std::size_t>(joint)].has_value(); }
+  /// Whether this torque of a joint that it moves lies in the declared range and in the bits of its signal.
+  bool carries(int joint, double torque_Nm) const noexcept;
   const CompiledMessage& layout() const noexcept { return encoder_.layout(); }
   /// CANopen node that takes a controlword; 0: none.
   int node() const noexcept { return node_; }
@@ -69,6 +72,9 @@ class CommandEncoder {
   CommandEncoder(const Database& database, std::span<const CommandMap> maps, int joints);
   CommandEncoder(const Database& database, const CommandMap& map, int joints)
       : CommandEncoder(database, {&map, 1}, joints) {}
+  /// What the drives are told may be as large as the loop lets it be, and is no other torque than that.
+  /// Throws std::invalid_argument naming message and output where a signal does not carry its joint's limit.
+  void requireTorque(const safety::SafetyLimits& limits) const;
 
   /// Frames that make up a command; at most one a joint.
   std::size_t size() const noexcept { return drives_.size(); }

@@ -10,9 +10,9 @@ constexpr std::int64_t roundedRatio(std::int64_t span_ns, std::int64_t period_ns
   return (span_ns + period_ns / 2) / period_ns;
 }
 
-/// Periods between two frames. Wall stamps are taken by the kernel as frames arrive and so are free of the
-/// loop's jitter, but the wall clock may be set: where the two clocks disagree by more than a stall, it is
-/// not believed.
+/// Periods between two frames by their stamps, which are free of the loop's jitter. Stamps of a log may jump,
+/// as somebody may have set its clock: where they disagree with the loop by more than a stall, they are not
+/// believed.
 constexpr std::int64_t elapsedPeriods(std::int64_t wall_ns, std::int64_t monotonic_ns,
                                       std::int64_t period_ns) noexcept {
   constexpr std::int64_t kClockWasSet_ns = 100'000'000;

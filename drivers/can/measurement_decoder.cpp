@@ -97,8 +97,12 @@ bool MeasurementDecoder::readValues(const BoundMessage& message, const Frame& fr
     values[i] = physical * input.scale + input.offset;
     if (signal.presence(frame) == Presence::kNotSelected)
       continue;
-    if (!signal.inRange(physical))
-      return false;
+    if (!signal.inRange(physical)) {
+      if (kInputKinds[static_cast<std::size_t>(input.input)].group != kNoTimeout)
+        return false;
+      // What is only recorded says nothing of the others.
+      values[i] = std::numeric_limits<double>::quiet_NaN();
+    }
     if (input.input == Input::kPosition && !plausiblePosition(message, frame, input, values[i]))
       return false;
   }
@@ -145,10 +149,8 @@ void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const 
     storeInput(message, frame, input, values[i]);
     seen_[static_cast<std::size_t>(input.input)][input.index] = true;
     stored_ns_[static_cast<std::size_t>(input.input)][input.index] = frame.monotonic_ns;
-    if (input.input == Input::kPosition) {
-      measurement_.encoder_monotonic_ns = frame.monotonic_ns;
+    if (input.input == Input::kPosition)
       measurement_.encoder_wall_ns = frame.wall_ns;
-    }
   }
 }
 
@@ -195,6 +197,8 @@ void MeasurementDecoder::storeInput(const BoundMessage& message, const Frame& fr
         emg_samples_.add(input.index, sampleNumber(input));
       break;
     case Input::kTruth:
+      if (std::isnan(value))
+        break;
       measurement_.true_f_u[index] = value;
       measurement_.has_truth = true;
       break;
@@ -247,6 +251,8 @@ BusSet MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const no
 Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   measurement_.encoder_steps = encoder_samples_.take();
   measurement_.emg_steps = emg_samples_.take();
+  const auto& positions_ns = stored_ns_[static_cast<std::size_t>(Input::kPosition)];
+  measurement_.encoder_monotonic_ns = *std::min_element(positions_ns.begin(), positions_ns.begin() + joints_);
   safety::FaultSet faults;
   BusSet fault_buses = 0;
   const auto fault = [&](safety::Fault what, BusSet buses) {
@@ -269,8 +275,12 @@ Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
       fault(safety::Fault::kFrameCorrupt, bus);
     if (message.sequence.tooMany(tolerated_))
       fault(safety::Fault::kFrameSequence, bus);
-    if (message.groups[kEncoderGroup] && message.implausible.tooMany(tolerated_))
-      fault(safety::Fault::kEncoderImplausible, bus);
+    if (message.implausible.tooMany(tolerated_)) {
+      if (message.groups[kEncoderGroup])
+        fault(safety::Fault::kEncoderImplausible, bus);
+      if (message.groups[kDriveGroup] || message.groups[kEmgGroup])
+        fault(safety::Fault::kFrameImplausible, bus);
+    }
   }
   bool complete = true;
   for (std::size_t input = 0; input < kInputCount; ++input) {

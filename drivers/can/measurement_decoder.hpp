@@ -47,7 +47,8 @@ struct Reading {
 /// drive_temperature_degC.J and drive_error.J, which are only recorded; emg_mV.N, operator_enable,
 /// operator_reset, true_f_u.J.
 ///
-/// A frame that fails by CRC, repeats its counter or holds a value out of range changes no input.
+/// A frame that fails by CRC, repeats its counter or holds a value out of range changes no input. A value
+/// that is only recorded becomes NaN where it is out of range.
 class MeasurementDecoder {
  public:
   /// Throws std::invalid_argument naming input, message or signal, and what exists; also where

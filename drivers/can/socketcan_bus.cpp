@@ -17,6 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "drivers/can/arrival_clock.hpp"
 #include "drivers/can/error_monitor.hpp"
 #include "drivers/kernel_call.hpp"
 
@@ -36,6 +37,12 @@ static_assert(kErrorTxTimeout == CAN_ERR_TX_TIMEOUT && kErrorController == CAN_E
 
 std::int64_t toNanoseconds(const timespec& t) noexcept {
   return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + static_cast<std::int64_t>(t.tv_nsec);
+}
+
+std::int64_t read(clockid_t clock) noexcept {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return toNanoseconds(now);
 }
 
 struct SocketHandle {
@@ -107,6 +114,8 @@ struct SocketCanBus::State {
   bool fd_capable = false;
   int queue_length = 0;
 
+  ArrivalClock arrivals;
+  std::int64_t wall_offset_ns = read(CLOCK_REALTIME) - read(CLOCK_MONOTONIC);  ///< when the run began
   ErrorMonitor errors;
   BusStatistics statistics;
   bool interface_down = false;
@@ -125,7 +134,7 @@ struct SocketCanBus::State {
   State();
   void configure(const std::string& interface, const SocketCanOptions& options);
   void attach(const std::string& interface, const SocketCanOptions& options);
-  std::size_t receiveBatch(std::span<Frame> frames, std::int64_t now_ns) noexcept;
+  std::size_t receiveBatch(std::span<Frame> frames) noexcept;
   void takeControl(msghdr& header, Frame& frame) noexcept;
 };
 
@@ -215,7 +224,7 @@ void SocketCanBus::State::takeControl(msghdr& header, Frame& frame) noexcept {
   }
 }
 
-std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames, std::int64_t now_ns) noexcept {
+std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames) noexcept {
   const std::size_t wanted = std::min(frames.size(), kBatch);
   for (std::size_t i = 0; i < wanted; ++i) {
     messages[i].msg_hdr.msg_controllen = sizeof(Control);
@@ -236,8 +245,9 @@ std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames, std::int6
     Frame& frame = frames[i];
     unpack(buffers[i], messages[i].msg_len == CANFD_MTU, frame);
     frame.own = (messages[i].msg_hdr.msg_flags & MSG_CONFIRM) != 0;
-    frame.monotonic_ns = now_ns;
     takeControl(messages[i].msg_hdr, frame);
+    frame.monotonic_ns = arrivals.of(frame.wall_ns);
+    frame.wall_ns = frame.monotonic_ns + wall_offset_ns;
     errors.observe(frame, statistics);
     if (frame.error)
       continue;
@@ -254,20 +264,28 @@ void SocketCanBus::discardPending() noexcept {
   }
   state_->statistics = {};
   state_->overflow_known = false;
+  state_->arrivals = {};
+  state_->wall_offset_ns = read(CLOCK_REALTIME) - read(CLOCK_MONOTONIC);
 }
 
 std::size_t SocketCanBus::receive(std::span<Frame> frames, std::int64_t now_ns) noexcept {
   state_->errors.beginReceive();
+  {
+    const KernelCall never_waits;
+    state_->arrivals.begin(now_ns, read(CLOCK_REALTIME));
+  }
   std::size_t count = 0;
   while (count < frames.size()) {
     const bool was_down = state_->interface_down;
     const std::size_t wanted = std::min(frames.size() - count, kBatch);
-    const std::size_t got = state_->receiveBatch(frames.subspan(count), now_ns);
+    const std::size_t got = state_->receiveBatch(frames.subspan(count));
     count += got;
     // The report of an interface that went down may stand before frames.
     const bool just_went_down = got == 0 && state_->interface_down && !was_down;
-    if (got < wanted && !just_went_down)
+    if (got < wanted && !just_went_down) {
+      state_->arrivals.emptied();
       break;
+    }
   }
   return count;
 }
@@ -283,18 +301,18 @@ SendResult SocketCanBus::send(Frame& frame, std::int64_t now_ns) noexcept {
   const std::size_t size = frame.fd ? CANFD_MTU : CAN_MTU;
   ssize_t sent = 0;
   int error = 0;
-  timespec wall{};
+  std::int64_t sent_ns = 0;
   {
     const KernelCall never_waits;
     sent = ::send(state.socket.fd, &wire, size, MSG_DONTWAIT);
     error = errno;
-    clock_gettime(CLOCK_REALTIME, &wall);
+    sent_ns = read(CLOCK_MONOTONIC);
   }
   if (sent == static_cast<ssize_t>(size)) {
     ++state.statistics.frames_sent;
     state.interface_down = false;
     frame.monotonic_ns = now_ns;
-    frame.wall_ns = toNanoseconds(wall);
+    frame.wall_ns = sent_ns + state.wall_offset_ns;
     return SendResult::kSent;
   }
   ++state.statistics.send_failed;

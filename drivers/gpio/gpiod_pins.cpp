@@ -68,7 +68,6 @@ bool GpiodPins::emergencyStop() noexcept PATELLA_NONBLOCKING {
   // edge of either direction means that the button was down on one side of it.
   const int edges = emergency_stop_->takeEdges();
   const int level = emergency_stop_->level();
-  errors_ += (edges < 0 ? 1U : 0U) + (level < 0 ? 1U : 0U);
   return edges != 0 || level != 0;
 }
 
@@ -76,8 +75,8 @@ bool GpiodPins::setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING {
   return set(drive_enable_, enabled);
 }
 
-void GpiodPins::setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING {
-  set(heartbeat_, level);
+bool GpiodPins::setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING {
+  return set(heartbeat_, level);
 }
 
 void GpiodPins::setWatchdogHeartbeat(bool level) noexcept {
@@ -85,9 +84,7 @@ void GpiodPins::setWatchdogHeartbeat(bool level) noexcept {
 }
 
 bool GpiodPins::set(std::optional<GpiodLine>& line, bool level) noexcept PATELLA_NONBLOCKING {
-  const bool done = !line || line->set(level);
-  errors_ += done ? 0U : 1U;
-  return done;
+  return !line || line->set(level);
 }
 
 }  // namespace patella::gpio

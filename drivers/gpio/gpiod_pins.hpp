@@ -42,9 +42,8 @@ class GpiodPins final : public Pins {
 
   bool emergencyStop() noexcept PATELLA_NONBLOCKING override;
   bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING override;
-  void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override;
+  bool setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override;
   void setWatchdogHeartbeat(bool level) noexcept override;
-  std::uint64_t errors() const noexcept override { return errors_.load(std::memory_order_relaxed); }
 
  private:
   bool set(std::optional<GpiodLine>& line, bool level) noexcept PATELLA_NONBLOCKING;
@@ -53,7 +52,6 @@ class GpiodPins final : public Pins {
   std::optional<GpiodLine> drive_enable_;
   std::optional<GpiodLine> heartbeat_;
   std::optional<GpiodLine> watchdog_;
-  std::atomic<std::uint64_t> errors_{0};
 };
 
 }  // namespace patella::gpio

@@ -19,12 +19,10 @@ class Pins {
   virtual bool emergencyStop() noexcept PATELLA_NONBLOCKING = 0;
   /// True when the line took the level (or is not wired), false when the device refused.
   virtual bool setDriveEnable(bool enabled) noexcept PATELLA_NONBLOCKING = 0;
-  /// Toggled once a tick by the loop, watched by hardware.
-  virtual void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING = 0;
+  /// Toggled once a tick by the loop, watched by hardware. Returns as setDriveEnable does.
+  virtual bool setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING = 0;
   /// Toggled by the watchdog thread for as long as it and the loop live; for hardware that watches both.
   virtual void setWatchdogHeartbeat(bool level) noexcept { static_cast<void>(level); }
-  /// Calls that the device refused.
-  virtual std::uint64_t errors() const noexcept = 0;
 };
 
 /// Lines of a simulated rig: memory that tests and the in-process rig read and set.
@@ -35,15 +33,15 @@ class SimulatedPins final : public Pins {
     drive_enable_.store(enabled, std::memory_order_relaxed);
     return true;
   }
-  void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override {
+  bool setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override {
     heartbeat_edges_ += level != heartbeat_ ? 1U : 0U;
     heartbeat_ = level;
+    return true;
   }
   void setWatchdogHeartbeat(bool level) noexcept override {
     watchdog_edges_.fetch_add(level != watchdog_heartbeat_ ? 1 : 0, std::memory_order_relaxed);
     watchdog_heartbeat_ = level;
   }
-  std::uint64_t errors() const noexcept override { return 0; }
 
   void pressEmergencyStop(bool pressed) noexcept { emergency_stop_ = pressed; }
   bool driveEnable() const noexcept { return drive_enable_.load(std::memory_order_relaxed); }

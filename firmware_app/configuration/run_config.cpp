@@ -281,7 +281,9 @@ can::MeasurementDecoder makeDecoder(const RunConfig& config) {
 
 can::CommandEncoder makeEncoder(const RunConfig& config) {
   return located(config.bus_map_path, [&] {
-    return can::CommandEncoder(config.bus.database, config.bus.commands, config.model.joints());
+    can::CommandEncoder encoder(config.bus.database, config.bus.commands, config.model.joints());
+    encoder.requireTorque(config.tick.limits);
+    return encoder;
   });
 }
 

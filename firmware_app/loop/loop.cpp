@@ -38,6 +38,7 @@ void Loop::run(const std::atomic<bool>& stop) noexcept {
   bus_.discardPending();
   // Anchored once and advanced by whole periods: a late tick does not move the ones after it. A quarter into
   // the period of the clock: a rig that samples on whole periods of the same clock has then delivered.
+  start_offset_ns_ = wall_offset_ns_ = clock_.wallNow() - clock_.now();
   start_ns_ = (clock_.now() / period_ns_ + 1) * period_ns_ + period_ns_ / 4;
   std::int64_t scheduled_ns = start_ns_;
   std::uint32_t missed = 0;
@@ -81,13 +82,15 @@ void Loop::tickOnce(std::int64_t scheduled_ns, std::uint32_t missed) noexcept PA
 
   const Command& sent = sendCommand(output.command, reading.measurement.encoder_monotonic_ns);
   heartbeat_ = !heartbeat_;
-  pins_.setHeartbeat(heartbeat_);
+  if (!pins_.setHeartbeat(heartbeat_)) {
+    late_faults_.add(safety::Fault::kLineRefused);
+  }
 
   enter(probe_, Stage::kAccount);
   const std::int64_t execution_ns = clock_.now() - woken_ns;
   sink_.tick({.tick = index_,
               .time_s = input.time_s,
-              .wall_ns = scheduled_ns + wall_offset_ns_,
+              .wall_ns = scheduled_ns + start_offset_ns_,
               .missed_periods = missed,
               .wakeup_latency_ns = woken_ns - scheduled_ns,
               .execution_ns = execution_ns,
@@ -167,11 +170,10 @@ safety::WarningSet Loop::hostWarnings() noexcept PATELLA_NONBLOCKING {
   const std::int64_t offset_ns = clock_.wallNow() - clock_.now();
   const double step_s =
       static_cast<double>(std::abs(offset_ns - wall_offset_ns_)) / static_cast<double>(kNanosecondsPerSecond);
-  if (wall_offset_known_ && step_s > options_.clock_step_s) {
+  if (step_s > options_.clock_step_s) {
     warnings.add(safety::Warning::kClockStepped);
   }
   wall_offset_ns_ = offset_ns;
-  wall_offset_known_ = true;
   return warnings;
 }
 
@@ -276,11 +278,19 @@ void Loop::setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBL
     return;
   }
   const bool raise = enable && !EmergencyExit::begun() && fresh(measured_ns);
-  line_up_ = pins_.setDriveEnable(raise) && raise;
+  line_up_ = setLevel(raise) && raise;
   if (line_up_ && (EmergencyExit::begun() || !fresh(measured_ns))) {
     line_up_ = false;
-    pins_.setDriveEnable(false);
+    setLevel(false);
   }
+}
+
+bool Loop::setLevel(bool enable) noexcept PATELLA_NONBLOCKING {
+  const bool taken = pins_.setDriveEnable(enable);
+  if (!taken) {
+    late_faults_.add(safety::Fault::kLineRefused);
+  }
+  return taken;
 }
 
 std::optional<std::int64_t> Loop::sensorLatency_ns(const Measurement& measurement) const noexcept

@@ -81,6 +81,7 @@ class Loop {
   bool sendEach(std::span<const can::Frame> frames) noexcept PATELLA_NONBLOCKING;  ///< all went out
   bool fresh(std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
   void setLine(bool enable, std::int64_t measured_ns) noexcept PATELLA_NONBLOCKING;
+  bool setLevel(bool enable) noexcept PATELLA_NONBLOCKING;
   std::optional<std::int64_t> sensorLatency_ns(const Measurement& measurement) const noexcept
       PATELLA_NONBLOCKING;
   void shutDown() noexcept;
@@ -115,8 +116,8 @@ class Loop {
   can::BusSet fault_buses_ = 0;  ///< of this tick's faults
   bool line_up_ = false;         ///< as this loop set it
   std::int64_t sent_wall_ns_ = 0;
-  std::int64_t wall_offset_ns_ = 0;
-  bool wall_offset_known_ = false;
+  std::int64_t start_offset_ns_ = 0;  ///< of the wall clock when the run began: records are stamped by it
+  std::int64_t wall_offset_ns_ = 0;   ///< at the last tick
   bool heartbeat_ = false;
 };
 

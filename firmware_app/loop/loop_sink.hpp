@@ -17,7 +17,7 @@ namespace patella::app {
 struct TickReport {
   std::uint64_t tick = 0;              ///< periods since the start of the loop, the skipped ones included
   double time_s = 0.0;                 ///< scheduled instant since the start of the loop
-  std::int64_t wall_ns = 0;            ///< the same instant by the wall's clock
+  std::int64_t wall_ns = 0;            ///< the same instant, as the wall clock stood when the run began
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
   std::int64_t wakeup_latency_ns = 0;  ///< woken later than scheduled by
   std::int64_t execution_ns = 0;       ///< from waking until the command and the lines were out

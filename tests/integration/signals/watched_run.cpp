@@ -108,9 +108,8 @@ class NotingPins final : public gpio::Pins {
     ledger_.note(enabled ? Deed::kEnable : Deed::kDisable);
     return true;
   }
-  void setHeartbeat(bool) noexcept PATELLA_NONBLOCKING override {}
+  bool setHeartbeat(bool) noexcept PATELLA_NONBLOCKING override { return true; }
   void setWatchdogHeartbeat(bool) noexcept override { fallAt(ledger_, Place::kWatchdog); }
-  std::uint64_t errors() const noexcept override { return 0; }
 
  private:
   Ledger& ledger_;

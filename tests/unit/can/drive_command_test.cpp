@@ -257,3 +257,18 @@ TEST_CASE("a bus without any counter or CRC is named") {
   for (const std::string& remark : bindingRemarks(drives(), inputs(), guarded, false))
     CHECK_FALSE(has(remark, "no message of encoders"));
 }
+
+TEST_CASE("a torque limit that a command's signal does not carry is refused with output, message and limit") {
+  const std::array commands{left(), right()};
+  const CommandEncoder encoder(drives(), commands, 2);
+  safety::SafetyLimits limits;
+  limits.joint[0].torque_Nm = 12.0;
+  limits.joint[1].torque_Nm = 500.0;
+  CHECK_NOTHROW(encoder.requireTorque(limits));
+  limits.joint[0].torque_Nm = 12.1;
+  CHECK_THROWS_WITH_AS(
+      encoder.requireTorque(limits),
+      "output 'torque_Nm.1' of message 'Left' does not carry ±12.1 N·m, expected the limit of "
+      "safety.torque_Nm within its signal's range",
+      std::invalid_argument);
+}

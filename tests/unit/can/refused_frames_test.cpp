@@ -1,5 +1,7 @@
 // Which frames change no input, and how many of them are a fault.
 #include <cstdint>
+#include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -10,6 +12,21 @@ using namespace patella;
 using namespace patella::can;
 using namespace patella::can::test;
 using safety::Fault;
+
+namespace {
+
+void narrowTo(double most, const std::string& message, const std::string& signal, Database& database) {
+  for (Message& one : database.messages) {
+    for (Signal& part : one.signals) {
+      if (one.name == message && part.name == signal) {
+        part.minimum = -most;
+        part.maximum = most;
+      }
+    }
+  }
+}
+
+}  // namespace
 
 TEST_CASE("a frame that is corrupt, repeated or out of range changes no input") {
   Fixture f;
@@ -136,5 +153,29 @@ TEST_CASE("bad frames are tolerated up to the configured number in a row") {
     CHECK(f.decoder.finish(0).faults.has(Fault::kDriveFault));
     f.decoder.accept(f.rig.make("DriveStatus", 0, {{"Fault", 0}}));
     CHECK_FALSE(f.decoder.finish(0).faults.has(Fault::kDriveFault));
+  }
+}
+
+TEST_CASE("values of drives and electrodes out of their ranges are refused, then a fault") {
+  for (const auto& [message, signal] : {std::pair{"DriveStatus", "Torque1"}, std::pair{"Emg", "Channel1"}}) {
+    CAPTURE(message);
+    Rig rig;
+    Database narrow = rig.database();
+    narrowTo(0.5, message, signal, narrow);
+    MeasurementDecoder decoder(narrow, rigMap(), 2);
+    for (const char* each : {"Encoder1", "Encoder2", "DriveStatus", "Emg", "Operator"}) {
+      decoder.accept(rig.make(each, 0, {}));
+    }
+    for (int i = 1; i <= 4; ++i) {
+      CHECK_FALSE(decoder.finish(0).faults.any());
+      decoder.accept(rig.make(message, 0, {{signal, 0.9}}));
+    }
+    const Reading reading = decoder.finish(0);
+    CHECK(reading.faults == safety::FaultSet{Fault::kFrameImplausible});
+    CHECK(reading.fault_buses == busBit(0));
+    CHECK(reading.measurement.emg_mV[0] == 0.0);
+    CHECK(reading.measurement.drive_torque_Nm[0] == 0.0);
+    decoder.accept(rig.make(message, 0, {}));
+    CHECK_FALSE(decoder.finish(0).faults.any());
   }
 }

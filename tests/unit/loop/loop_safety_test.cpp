@@ -120,6 +120,53 @@ TEST_CASE("a wall clock that is set is told of and stops nothing") {
   CHECK(statistics.final_state == State::kActive);
 }
 
+TEST_CASE("records go on by the wall clock as it stood when the run began") {
+  for (const std::int64_t step_ns : {0L, 60'000'000'000L}) {
+    SimulatedRun run;
+    run.clock.set(1'700'000'000'000'000'000);
+    run.script = [&](int tick) { run.clock.set(tick == 50 ? step_ns : 0); };
+    std::vector<std::int64_t> stamps_ns;
+    stamps_ns.reserve(kLongestRun);
+    run.at_report = [&](const TickReport& report) { stamps_ns.push_back(report.wall_ns); };
+    run.run(100);
+    REQUIRE(stamps_ns.size() == 100);
+    CHECK(stamps_ns.front() >= 1'700'000'000'000'000'000);
+    CHECK(stamps_ns.front() < 1'700'000'001'000'000'000);
+    for (std::size_t tick = 1; tick < stamps_ns.size(); ++tick) {
+      CHECK(stamps_ns[tick] - stamps_ns[tick - 1] == kPeriod_ns);
+    }
+  }
+}
+
+TEST_CASE("a line that does not take its level is a fault of the next tick, and stays one") {
+  SimulatedRun run(0.1, {0.6});
+  int now = 0;
+  run.script = [&](int tick) {
+    now = tick;
+    run.pins.pressEmergencyStop(tick == 500);
+  };
+  SUBCASE("the enable line does not rise") {
+    run.loop_pins.refused = [](bool level) { return level; };
+    const LoopStatistics& statistics = run.run(800);
+    CHECK(statistics.fault_ticks[static_cast<std::size_t>(Fault::kLineRefused)] == 1);
+    CHECK(statistics.state_ticks[static_cast<std::size_t>(State::kActive)] == 1);
+  }
+  SUBCASE("the enable line does not fall") {
+    run.loop_pins.refused = [&](bool level) { return !level && now >= 500; };
+    const LoopStatistics& statistics = run.run(800);
+    CHECK(statistics.latched == safety::FaultSet{Fault::kEmergencyStop, Fault::kLineRefused});
+    CHECK(statistics.fault_ticks[static_cast<std::size_t>(Fault::kLineRefused)] == 299);
+    CHECK(statistics.final_state == State::kFault);  // whatever the operator presses
+  }
+  SUBCASE("the heartbeat does not change") {
+    run.script = [&](int tick) { run.loop_pins.heart_stands_still = tick >= 500; };
+    const LoopStatistics& statistics = run.run(800);
+    CHECK(statistics.latched == safety::FaultSet{Fault::kLineRefused});
+    CHECK(statistics.final_state == State::kFault);
+    checkNoTorque(run, 501);
+  }
+}
+
 TEST_CASE("a bus that is off is a fault in the same tick") {
   SimulatedRun run;
   run.script = [&](int tick) { run.bus.off = tick == 500; };

@@ -83,11 +83,16 @@ class HandPins final : public gpio::Pins {
     if (enabled) {
       before_rise();
     }
-    return pins_.setDriveEnable(enabled);
+    return !refused(enabled) && pins_.setDriveEnable(enabled);
   }
-  void setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override { pins_.setHeartbeat(level); }
-  std::uint64_t errors() const noexcept override { return pins_.errors(); }
+  bool setHeartbeat(bool level) noexcept PATELLA_NONBLOCKING override {
+    return !heart_stands_still && pins_.setHeartbeat(level);
+  }
   std::function<void()> before_rise = [] {};
+  std::function<bool(bool)> refused = [](bool) {
+    return false;
+  };  ///< levels that the enable line does not take
+  bool heart_stands_still = false;
 
  private:
   gpio::SimulatedPins& pins_;

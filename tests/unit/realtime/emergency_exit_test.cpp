@@ -32,8 +32,7 @@ class Reporting final : public gpio::Pins, public can::Bus {
     put(enabled ? 'E' : 'e');
     return true;
   }
-  void setHeartbeat(bool) noexcept PATELLA_NONBLOCKING override {}
-  std::uint64_t errors() const noexcept override { return 0; }
+  bool setHeartbeat(bool) noexcept PATELLA_NONBLOCKING override { return true; }
   std::size_t receive(std::span<can::Frame>, std::int64_t) noexcept PATELLA_NONBLOCKING override { return 0; }
   can::SendResult send(can::Frame& frame, std::int64_t) noexcept PATELLA_NONBLOCKING override {
     bool zero = (frame.data[5] & 1U) == 0;
