@@ -188,6 +188,9 @@ namespace late_drive {
 /// patient or a contact, and its answer passes for a late drive: both let torque follow on motion. Where
 /// little pushes, little is answered.
 inline constexpr double kUndisturbed = 0.05;
+/// Share of the torque between the lines of its spectrum that may be left unexplained for all of it to be the
+/// motion's: twice as much as any push in it.
+inline constexpr double kExplainedBetween = 0.5;
 /// Share of the square of what is left that the delay has to explain. The noise of fast motion is known less
 /// well than the tests suppose.
 inline constexpr double kMaterial = 0.05;

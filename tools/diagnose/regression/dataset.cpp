@@ -266,6 +266,14 @@ void Dataset::setPredictedTorque(const std::function<JointVector(const Series&, 
   }
 }
 
+void Dataset::askForWholeTorque(int joint) {
+  for (Series& series : series_) {
+    for (std::size_t i = 0; i < series.states.size(); ++i) {
+      series.asked_torque_Nm[i][joint] = series.measured_torque_Nm[i][joint];
+    }
+  }
+}
+
 Column Dataset::driveTorque() const {
   return column([](const Series& series, std::size_t i) { return series.measured_torque_Nm[i]; });
 }

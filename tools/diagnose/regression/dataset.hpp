@@ -79,6 +79,8 @@ class Dataset {
   /// drive.
   void setPredictedTorque(const std::function<JointVector(const Series&, std::size_t)>& torque_Nm);
 
+  /// Takes all of a joint's torque for asked for, and not its sinusoids alone.
+  void askForWholeTorque(int joint);
   /// Torque of the drives, as measured.
   Column driveTorque() const;
   /// Torque that a model needs for the recorded motion.

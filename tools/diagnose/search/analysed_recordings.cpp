@@ -2,7 +2,9 @@
 
 #include "tools/diagnose/effects/considered.hpp"
 #include "tools/diagnose/fit/predicted_torque.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/motion_band.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -11,6 +13,25 @@ DatasetOptions inMotionBand(std::span<const Recording> recordings, bool asked_pa
   DatasetOptions options{.band_Hz = motionBand_Hz(recordings)};
   options.asked_part = asked_part;
   return options;
+}
+
+// What lies between the sinusoids of a torque was asked for as well where the model explains it: the motion
+// repeats too seldom for sinusoids to be told apart, or not at all.
+void askForMotionBetweenLines(Dataset& train) {
+  const Column torque = train.driveTorque();
+  const Column between = torque - train.column([](const Series& series, std::size_t i) {
+    return series.asked_torque_Nm[i];
+  });
+  const Column unexplained = torque - train.column([](const Series& series, std::size_t i) {
+    return series.states[i].torque_Nm;
+  });
+  for (int joint = 0; joint < train.joints(); ++joint) {
+    const double left_Nm = jointRms(train, unexplained, joint);
+    if (left_Nm < late_drive::kUndisturbed * jointRms(train, torque, joint) &&
+        left_Nm < late_drive::kExplainedBetween * jointRms(train, between, joint)) {
+      train.askForWholeTorque(joint);
+    }
+  }
 }
 
 std::vector<std::string> namesOf(std::span<const Recording> recordings) {
@@ -39,6 +60,7 @@ AnalysedRecordings::AnalysedRecordings(std::span<const Recording> recordings,
 void AnalysedRecordings::predictTorque(const model::ModelDescription& model, const FitOptions& options) {
   const TorquePrediction prediction(train, model, options);
   prediction.predict(train);
+  askForMotionBetweenLines(train);
   prediction.predict(wide);
   if (heldout) {
     prediction.predict(*heldout);

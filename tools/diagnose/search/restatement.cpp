@@ -37,7 +37,6 @@ class Restatement {
   void run() {
     for (int changes = 0; changes < kMostChanges && changeOne(); ++changes) {
     }
-    findPlainFriction();
   }
 
   // False where the found effect has no special case.
@@ -82,7 +81,7 @@ class Restatement {
 
   // False where nothing is to be changed.
   bool changeOne() {
-    return simplify() || levelOut() || restateFriction() ||
+    return simplify() || levelOut() || partFriction() || restateFriction() ||
            unite("coulomb_friction", "torque_bias", "asymmetric_friction") ||
            unite("coulomb_friction", "stribeck_friction", "stribeck_friction") ||
            unite("stribeck_friction", "torque_bias", "asymmetric_friction");
@@ -262,12 +261,7 @@ class Restatement {
       if (term.declared || term.recipe->kind != "asymmetric_friction" || term.c.size() != 2) {
         continue;
       }
-      const Eigen::Index at = selection_.fit.offset[t];
-      const Eigen::Matrix2d covariance =
-          widerCovariance(fitter_.data(), selection_.fit, options_.replicates, options_.seed)
-              .block<2, 2>(at, at);
-      const double variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
-      if (std::pow(term.c[0] - term.c[1], 2) > simpler::kTwoLevels * simpler::kTwoLevels * variance) {
+      if (directionsDiffer(t)) {
         continue;
       }
       const Atom* plain = plainAtom("coulomb_friction", term.recipe->joint);
@@ -276,6 +270,25 @@ class Restatement {
       if (level && level->at_edge.empty()) {
         adopt(selection_, std::move(*level),
               {.p_value = selection_.evidence[t].p_value, .gain = 0.0, .rivals = {}});
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Whether what a friction has in one direction differs from what it has in the other, pair by pair of its
+  // coefficients.
+  bool directionsDiffer(std::size_t t) {
+    const Term& term = selection_.fit.terms[t];
+    const auto size = static_cast<Eigen::Index>(term.c.size());
+    const Eigen::Index at = selection_.fit.offset[t];
+    const Eigen::MatrixXd covariance =
+        widerCovariance(fitter_.data(), selection_.fit, options_.replicates, options_.seed)
+            .block(at, at, size, size);
+    for (Eigen::Index i = 0; i + 1 < size; i += 2) {
+      const double variance = covariance(i, i) + covariance(i + 1, i + 1) - 2.0 * covariance(i, i + 1);
+      const auto k = static_cast<std::size_t>(i);
+      if (std::pow(term.c[k] - term.c[k + 1], 2) > simpler::kTwoLevels * simpler::kTwoLevels * variance) {
         return true;
       }
     }
@@ -304,16 +317,21 @@ class Restatement {
     return plain && plain->at_edge.empty() ? std::move(plain) : std::nullopt;
   }
 
-  // Friction of two levels and two dampings that are not worth their number may as well be dry and viscous
-  // friction: two effects, which no single rival is.
-  void findPlainFriction() {
+  // Friction of two levels and two dampings that are not worth their number, or may as well be one and one,
+  // is dry and viscous friction, which most machines have. False where there is none.
+  bool partFriction() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
-      const std::optional<ModelFit> plain = asPlainFriction(t);
-      if (plain && worth(*plain) < worth(selection_.fit)) {
-        selection_.evidence[t].rivals.push_back(
-            fmt::format("coulomb_friction+viscous_friction@{}", selection_.fit.terms[t].recipe->joint + 1));
+      std::optional<ModelFit> plain = asPlainFriction(t);
+      if (plain && (worth(*plain) < worth(selection_.fit) || !directionsDiffer(t))) {
+        const Evidence& before = selection_.evidence[t];
+        adopt(selection_, std::move(*plain),
+              {.p_value = before.p_value,
+               .gain = before.gain,
+               .rivals = {selection_.fit.terms[t].recipe->label()}});
+        return true;
       }
     }
+    return false;
   }
 
   // The terms without two of them, the lower first; not fitted.

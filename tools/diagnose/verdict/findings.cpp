@@ -35,9 +35,7 @@ std::string separatingMotion(std::string_view kind) {
 
 void addConfounds(EffectFinding& finding, int joints) {
   const auto& known = finding.indistinguishable_from;
-  const bool plain =
-      std::find(known.begin(), known.end(), "coulomb_friction+viscous_friction") != known.end();
-  if (finding.kind == "asymmetric_friction" && !plain) {
+  if (finding.kind == "asymmetric_friction") {
     // Where it takes the place of the model's dry friction, the bias is what it adds.
     const auto& before = finding.replaces;
     const bool rubbed = std::find(before.begin(), before.end(), "coulomb_friction") != before.end();
