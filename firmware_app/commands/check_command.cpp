@@ -149,6 +149,9 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
        can::bindingRemarks(config.bus.database, config.bus.map, config.bus.commands, emg_assists)) {
     line(false, false, "bus map", remark);
   }
+  for (const std::string& missing : missingLines(config)) {
+    line(false, false, "lines", missing);
+  }
   tellDrives(config);
   if (ask_nodes) {
     askNodes(config);

@@ -297,6 +297,9 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
     requireStable(config);  // a log moves nothing
   }
   warnOfWeights(config);
+  for (const std::string& missing : missingLines(config)) {
+    spdlog::warn("{}", missing);
+  }
   const SignalStack signal_stack;
   const SignalStack::InUse in_use(signal_stack);
   const auto clock = makeClock(config);

@@ -200,6 +200,15 @@ void requireSyncPeriod(const RunConfig& config) {
   }
 }
 
+// Drives that move a leg are watched. Of a log they were, and a rehearsal is refused where there are any.
+void requireWatchedDrives(const RunConfig& config, bool only_rig) {
+  if (config.backend.kind == BackendKind::kCan && !config.rehearsal && !only_rig &&
+      !config.tick.monitors.drive.enabled) {
+    throw std::invalid_argument("safety.drive.monitor = false with backend can:" + config.backend.target +
+                                ", expected true: it finds drives that do not follow or exceed the limit");
+  }
+}
+
 }  // namespace
 
 ClockKind parseClock(const std::string& text) {
@@ -268,9 +277,28 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +
                                 ", expected monotonic: a bus does not wait");
   }
+  requireWatchedDrives(config, command_line.only_rig);
   located(config.bus_map_path, [&] { requireSyncPeriod(config); });
   config.loop.max_ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.loop.rate_Hz));
   return config;
+}
+
+std::vector<std::string> missingLines(const RunConfig& config) {
+  std::vector<std::string> missing;
+  if (config.backend.kind != BackendKind::kCan) {
+    return missing;
+  }
+  if (!config.gpio || config.gpio->emergency_stop_line < 0) {
+    missing.emplace_back(
+        "gpio.emergency_stop_line is not wired: no emergency stop reaches the loop, expected one that takes "
+        "the "
+        "drives' power by itself");
+  }
+  if (!config.gpio || config.gpio->drive_enable_line < 0) {
+    missing.emplace_back(
+        "gpio.drive_enable_line is not wired: a drive that does not obey its bus keeps its power");
+  }
+  return missing;
 }
 
 can::MeasurementDecoder makeDecoder(const RunConfig& config) {

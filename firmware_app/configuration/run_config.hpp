@@ -105,6 +105,10 @@ struct RunConfig {
 /// std::invalid_argument for a bad argument.
 RunConfig loadRunConfig(const CommandLine& command_line);
 
+/// What a loop on a real bus goes without: an emergency stop or a drive enable line that is not wired. Empty
+/// for other backends.
+std::vector<std::string> missingLines(const RunConfig& config);
+
 /// Decoder and encoder of the bus, as mapped. Throw FileError naming the bus map and the input or
 /// output.
 can::MeasurementDecoder makeDecoder(const RunConfig& config);

@@ -1,7 +1,10 @@
 // Configuration of a run, by file and by command line. tests/integration/malformed has malformed input.
 #include "firmware_app/configuration/run_config.hpp"
 
+#include <cstddef>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -80,6 +83,41 @@ TEST_CASE("a log is played on the virtual clock whatever the file says, a bus ne
   CHECK(loadRunConfig(bus).clock == ClockKind::kMonotonic);
   bus.clock = "virtual";
   CHECK_THROWS_AS(loadRunConfig(bus), std::invalid_argument);
+}
+
+TEST_CASE("drives on a real bus are watched") {
+  const patella::test::ScratchFolder folder;
+  const auto source = patella::checkout::source() / "firmware_app/config";
+  std::string text = readFile(source / "adult.toml");
+  for (const char* key : {"models/", "can/", "weights/"}) {
+    for (std::size_t at = 0; (at = text.find(std::string("\"") + key, at)) != std::string::npos; ++at) {
+      text.insert(at + 1, (source / "").string());
+    }
+  }
+  writeFile(folder / "unwatched.toml", text + "\n[safety.drive]\nmonitor = false\n");
+  CommandLine line;
+  line.config = folder / "unwatched.toml";
+  line.backend = "replay:frames.log";
+  CHECK_FALSE(loadRunConfig(line).tick.monitors.drive.enabled);
+  line.backend = "can:can0";
+  CHECK_THROWS_WITH_AS(
+      loadRunConfig(line),
+      "safety.drive.monitor = false with backend can:can0, expected true: it finds drives that "
+      "do not follow or exceed the limit",
+      std::invalid_argument);
+}
+
+TEST_CASE("a loop on a real bus is told which lines it goes without") {
+  CommandLine line = shipped();
+  CHECK(missingLines(loadRunConfig(line)).empty());
+  line.backend = "can:can0";
+  RunConfig config = loadRunConfig(line);
+  CHECK(missingLines(config).size() == 2);
+  config.gpio.emplace();
+  config.gpio->drive_enable_line = 2;
+  const std::vector<std::string> missing = missingLines(config);
+  REQUIRE(missing.size() == 1);
+  CHECK(missing.front().starts_with("gpio.emergency_stop_line is not wired"));
 }
 
 TEST_CASE("another model of the loop leaves the rig what it is, and the other way round") {

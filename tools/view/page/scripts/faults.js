@@ -30,5 +30,7 @@ const FAULTS = {
   drive_left: ["A drive that was enabled no longer is, and nobody told it so.", "Check the drive's supply and its errors."],
   drive_emergency: ["A CANopen drive sent an emergency.", "Read its code in the events, and look it up in the drive's manual."],
   drive_offline: ["A CANopen drive is silent, or has started anew.", "Check its supply and cable, then start the program again."],
+  frame_implausible: ["A drive or the EMG amplifier reports values beyond their ranges.", "Check its wiring and settings, and the ranges in the DBC."],
+  line_refused: ["An output line did not take its level.", "Check the GPIO chip and who else holds the line."],
 };
 const RESET = "Then reset, once all inputs are healthy. Torque takes a new edge of enable.";
