@@ -85,6 +85,43 @@ void requireRatedTorque(const SdoClient& sdo, const DriveSettings& drive, double
                " N·m within 2 % as rated_torque_Nm says; a factor of 1000 is another rated_torque_unit");
 }
 
+/// Which drive it is: device type, vendor and product. Nothing that is written to a drive changes them.
+NodeIdentity identify(SdoClient& sdo, const DriveSettings& drive) {
+  NodeIdentity identity;
+  identity.node = drive.node;
+  const std::uint32_t type = sdo.number(0x1000, 0, 4);
+  if ((type & 0xFFFFU) != kDriveProfile) {
+    sdo.fail(0x1000, 0, "device type " + hexadecimal(type, 8) + ", expected one of CiA 402, xxxx0192h");
+  }
+  identity.name = deviceName(sdo);
+  identity.vendor = sdo.number(0x1018, 1, 4);
+  requireIdentity(sdo, 1, identity.vendor, drive.vendor, "vendor");
+  const auto optional = [&sdo](std::uint8_t sub) {
+    try {
+      return sdo.number(0x1018, sub, 4);
+    } catch (const SdoAbort&) {
+      return std::uint32_t{0};
+    }
+  };
+  identity.product = optional(2);
+  requireIdentity(sdo, 2, identity.product, drive.product, "product");
+  identity.revision = optional(3);
+  identity.serial = optional(4);
+  return identity;
+}
+
+/// What it can do: modes and rated torque, which may follow from the parameters of its DCF.
+void askAbilities(SdoClient& sdo, const DriveSettings& drive, NodeIdentity& identity) {
+  identity.modes = sdo.number(0x6502, 0, 4);
+  if ((identity.modes >> kTorqueModeBit & 1U) == 0) {
+    sdo.fail(
+        0x6502, 0,
+        "supported modes " + hexadecimal(identity.modes, 8) + ", expected bit 9, cyclic synchronous torque");
+  }
+  identity.rated_torque_Nm = drive.rated_torque_unit_Nm * sdo.number(0x6076, 0, 4);
+  requireRatedTorque(sdo, drive, identity.rated_torque_Nm);
+}
+
 /// A PDO's communication and mapping parameters.
 struct Pdo {
   std::uint16_t communication;
@@ -173,14 +210,14 @@ std::uint32_t milliseconds(double seconds) noexcept {
   return static_cast<std::uint32_t>(std::max(std::lround(1e3 * seconds), 1L));
 }
 
-NodeIdentity setUpNode(can::Bus& buses, Clock& clock, const NetworkSettings& network,
-                       const DriveSettings& drive, const InterpolationTime& time) {
+void setUpNode(can::Bus& buses, Clock& clock, const NetworkSettings& network, const DriveSettings& drive,
+               const InterpolationTime& time, NodeIdentity& identity) {
   can::OneOfBuses bus(buses, drive.bus);
   SdoClient sdo(bus, clock, drive.node);
   for (const ObjectValue& parameter : drive.parameters) {
     sdo.write(parameter);
   }
-  const NodeIdentity identity = askNode(buses, clock, drive);
+  askAbilities(sdo, drive, identity);
   sdo.write({0x6040, 0, 2, 0});  // whatever a run before has left
   sdo.write({0x6071, 0, 2, 0});
   setUpPdos(sdo);
@@ -190,7 +227,6 @@ NodeIdentity setUpNode(can::Bus& buses, Clock& clock, const NetworkSettings& net
   sdo.write(
       {0x1016, 1, 4,
        static_cast<std::uint32_t>(network.master_node) << 16U | milliseconds(network.heartbeat_timeout_s)});
-  return identity;
 }
 
 void awaitOperational(can::Bus& buses, Clock& clock, const DriveSettings& drive) {
@@ -238,34 +274,8 @@ InterpolationTime interpolationTime(double period_s) {
 NodeIdentity askNode(can::Bus& buses, Clock& clock, const DriveSettings& drive) {
   can::OneOfBuses bus(buses, drive.bus);
   SdoClient sdo(bus, clock, drive.node);
-  NodeIdentity identity;
-  identity.node = drive.node;
-  const std::uint32_t type = sdo.number(0x1000, 0, 4);
-  if ((type & 0xFFFFU) != kDriveProfile) {
-    sdo.fail(0x1000, 0, "device type " + hexadecimal(type, 8) + ", expected one of CiA 402, xxxx0192h");
-  }
-  identity.name = deviceName(sdo);
-  identity.vendor = sdo.number(0x1018, 1, 4);
-  requireIdentity(sdo, 1, identity.vendor, drive.vendor, "vendor");
-  const auto optional = [&sdo](std::uint8_t sub) {
-    try {
-      return sdo.number(0x1018, sub, 4);
-    } catch (const SdoAbort&) {
-      return std::uint32_t{0};
-    }
-  };
-  identity.product = optional(2);
-  requireIdentity(sdo, 2, identity.product, drive.product, "product");
-  identity.revision = optional(3);
-  identity.serial = optional(4);
-  identity.modes = sdo.number(0x6502, 0, 4);
-  if ((identity.modes >> kTorqueModeBit & 1U) == 0) {
-    sdo.fail(
-        0x6502, 0,
-        "supported modes " + hexadecimal(identity.modes, 8) + ", expected bit 9, cyclic synchronous torque");
-  }
-  identity.rated_torque_Nm = drive.rated_torque_unit_Nm * sdo.number(0x6076, 0, 4);
-  requireRatedTorque(sdo, drive, identity.rated_torque_Nm);
+  NodeIdentity identity = identify(sdo, drive);
+  askAbilities(sdo, drive, identity);
   return identity;
 }
 
@@ -274,9 +284,15 @@ std::vector<NodeIdentity> setUpNodes(can::Bus& buses, Clock& clock, const Canope
   for (const DriveSettings& drive : map.drives) {
     send(buses, clock, NmtCommand::kPreOperational, drive);
   }
+  // Who each of them is comes before the first write: parameters of one drive in another would stay there.
   std::vector<NodeIdentity> identities;
   for (const DriveSettings& drive : map.drives) {
-    identities.push_back(setUpNode(buses, clock, map.network, drive, time));
+    can::OneOfBuses bus(buses, drive.bus);
+    SdoClient sdo(bus, clock, drive.node);
+    identities.push_back(identify(sdo, drive));
+  }
+  for (std::size_t i = 0; i < map.drives.size(); ++i) {
+    setUpNode(buses, clock, map.network, map.drives[i], time, identities[i]);
   }
   // All of them at the end: the first would wait for its SYNC while the last is still set up.
   for (const DriveSettings& drive : map.drives) {

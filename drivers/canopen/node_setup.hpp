@@ -37,7 +37,8 @@ InterpolationTime interpolationTime(double period_s);
 NodeIdentity askNode(can::Bus& buses, Clock& clock, const DriveSettings& drive);
 
 /// Sets every drive up for a SYNC each period and starts it: parameters of its DCF, PDOs, mode, heartbeats. A
-/// drive holds no torque and no enable then. Throws NodeError naming node and object.
+/// drive holds no torque and no enable then. Throws NodeError naming node and object. Where a node is another
+/// drive than configured, nothing has been written to any.
 std::vector<NodeIdentity> setUpNodes(can::Bus& buses, Clock& clock, const CanopenMap& map, double period_s);
 
 }  // namespace patella::canopen

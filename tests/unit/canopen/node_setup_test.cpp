@@ -149,6 +149,27 @@ TEST_CASE("a drive that is not the configured one is refused with what it is") {
   CHECK(failure(micro, settingsOf(micro, 0)).empty());
 }
 
+TEST_CASE("where one node is another drive than configured, nothing is written to any") {
+  const auto refused = [](void (*change)(DriveSettings&)) {
+    DriveBench bench({simulatedNode(3), simulatedNode(4)});
+    DriveSettings first = settingsOf(simulatedNode(3), 0);
+    DriveSettings second = settingsOf(simulatedNode(4), 1);
+    first.parameters = second.parameters = {{0x6072, 0, 2, 1500}};
+    change(second);
+    CHECK_THROWS_AS(setUp(bench, {first, second}), NodeError);
+    return bench;
+  };
+  for (const auto change : {+[](DriveSettings& drive) { drive.vendor = 0xFB; },
+                            +[](DriveSettings& drive) { drive.product = 0x1234; }}) {
+    const DriveBench bench = refused(change);
+    CHECK(writtenTo(bench, 3).empty());
+    CHECK(writtenTo(bench, 4).empty());
+  }
+  // The rated torque is that of the motor, which parameters may set.
+  const DriveBench bench = refused([](DriveSettings& drive) { drive.rated_torque_Nm = 0.6; });
+  CHECK(writtenTo(bench, 4) == std::vector<Written>{{0x6072, 0, 1500}});
+}
+
 TEST_CASE("a drive that refuses, is silent or has another number is told of by node and object") {
   const DriveSettings good = settingsOf(simulatedNode(3), 0);
   CHECK(
@@ -173,15 +194,18 @@ TEST_CASE("a drive that does not start is told of by its state") {
 TEST_CASE("answers that another device gives: no drive, another profile, no torque mode, a mode that stays") {
   std::map<std::uint32_t, std::uint32_t> values = {{0x100000, 0x00020192}, {0x101801, 1}, {0x650200, 0x200},
                                                    {0x607600, 500},        {0x606100, 8}, {0x180001, 0x183}};
-  const auto act = [&values]() -> std::string {
+  std::size_t writes = 0;
+  const auto act = [&values, &writes]() -> std::string {
     ScriptedBus bus;
-    bus.answer = [&values](const can::Frame& request, std::deque<can::Frame>& waiting) {
+    writes = 0;
+    bus.answer = [&values, &writes](const can::Frame& request, std::deque<can::Frame>& waiting) {
       if (request.id != 0x603)
         return;
       can::Frame answer = request;
       answer.id = 0x583;
       const std::uint32_t place = request.data[2] << 16U | request.data[1] << 8U | request.data[3];
       if ((request.data[0] & 0xE0U) == 0x20) {
+        ++writes;
         answer.data[0] = 0x60;
       } else if (const auto found = values.find(place); found != values.end()) {
         answer.data[0] = 0x42;
@@ -194,8 +218,10 @@ TEST_CASE("answers that another device gives: no drive, another profile, no torq
       waiting.push_back(answer);
     };
     VirtualClock clock;
+    DriveSettings drive = settingsOf(simulatedNode(3), 0);
+    drive.parameters = {{0x2000, 0, 1, 7}};
     try {
-      setUpNodes(bus, clock, {.network = {}, .drives = {settingsOf(simulatedNode(3), 0)}}, 1e-3);
+      setUpNodes(bus, clock, {.network = {}, .drives = {drive}}, 1e-3);
     } catch (const NodeError& error) {
       return error.what();
     }
@@ -209,6 +235,7 @@ TEST_CASE("answers that another device gives: no drive, another profile, no torq
   CHECK(act() == "node 3: 6502h: supported modes 000001ADh, expected bit 9, cyclic synchronous torque");
   values[0x100000] = 0x00000191;
   CHECK(act() == "node 3: 1000h: device type 00000191h, expected one of CiA 402, xxxx0192h");
+  CHECK(writes == 0);
 }
 
 TEST_CASE("periods that 60C2h can hold") {
