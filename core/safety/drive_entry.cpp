@@ -125,12 +125,17 @@ void DriveEntry::choose(Drive& drive) noexcept {
   }
   drive.frames = DriveFrames::kNone;
   const bool due = reached(drive.since_sent_s, drive.settings.period_s);
+  // The operator presses once: clear waits a tick for the frames to leave by, and then they wait for it, as
+  // they may be due in every tick.
+  const bool waited = drive.clear_pending;
+  drive.clear_pending = waited || (reset_raised_ && !inside);
   if (due && drive.phase == DrivePhase::kEntering) {
     drive.frames = DriveFrames::kEnter;
-  } else if (due && drive.phase == DrivePhase::kLeaving) {
+  } else if (due && drive.phase == DrivePhase::kLeaving && !waited) {
     drive.frames = DriveFrames::kLeave;
-  } else if (reset_raised_ && !inside) {
+  } else if (drive.clear_pending) {
     drive.frames = DriveFrames::kClear;
+    drive.clear_pending = false;
     return;
   }
   if (drive.frames != DriveFrames::kNone) {

@@ -56,6 +56,7 @@ class DriveEntry {
     DriveFrames frames = DriveFrames::kNone;
     bool says_enabled = false;   ///< all of its joints, in all reports
     bool says_disabled = false;  ///< some of its joints, in some report
+    bool clear_pending = false;  ///< reset was raised while it was out or leaving
   };
 
   static void hear(Drive& drive, Measurement& measurement) noexcept;

@@ -229,6 +229,33 @@ TEST_CASE("reset clears a drive's errors while it is out, and only then") {
   CHECK(pair.entry.frames(0) == DriveFrames::kNone);
 }
 
+TEST_CASE("a reset is not lost to frames to leave by: they come first, and clear in the tick after") {
+  // At 50 Hz they are due in every tick.
+  for (const double period_s : {0.01, kTick_s}) {
+    DriveEntrySettings settings = drive(0);
+    settings.period_s = period_s;
+    Pair pair({settings});
+    pair.says_enabled[0] = true;
+    pair.tick();
+    CHECK(pair.entry.frames(0) == DriveFrames::kLeave);
+    pair.ticks(9);
+    pair.reset = true;
+    pair.tick();
+    CHECK(pair.entry.frames(0) == DriveFrames::kLeave);
+    pair.tick();
+    CHECK(pair.entry.frames(0) == DriveFrames::kClear);
+    int cleared = 0;
+    int left = 0;
+    for (int i = 0; i < 40; ++i) {
+      pair.tick();
+      cleared += pair.entry.frames(0) == DriveFrames::kClear ? 1 : 0;
+      left += pair.entry.frames(0) == DriveFrames::kLeave ? 1 : 0;
+    }
+    CHECK(cleared == 0);
+    CHECK(left >= 4);
+  }
+}
+
 TEST_CASE("a drive of two joints is in when both are, and has left when one is out") {
   DriveEntrySettings both = drive(0);
   both.joints[1] = true;
