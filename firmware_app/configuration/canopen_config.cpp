@@ -1,6 +1,7 @@
 #include "firmware_app/configuration/canopen_config.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,21 @@ std::vector<std::optional<std::uint8_t>> readCanopen(const TomlTable& root, bool
     buses.push_back(assignment.read(table));
   }
   return buses;
+}
+
+void requireHeartbeats(const canopen::NetworkSettings& network, double tick_s) {
+  constexpr double kRounding = 1e-6;
+  const auto require = [tick_s](const char* key, double value_s, int ticks, const char* of) {
+    const double least_s = ticks * tick_s;
+    if (value_s < (1.0 - kRounding) * least_s) {
+      throw std::invalid_argument("key 'canopen." + std::string(key) + "': value " + formatNumber(value_s) +
+                                  ", expected at least " + formatNumber(least_s) + ", " + of +
+                                  " at loop.rate_Hz of " + formatNumber(1.0 / tick_s));
+    }
+  };
+  require("heartbeat_period_s", network.heartbeat_period_s, 1, "a tick");
+  require("heartbeat_timeout_s", network.heartbeat_timeout_s, 2, "two ticks");
+  require("node_heartbeat_timeout_s", network.node_heartbeat_timeout_s, 2, "two ticks");
 }
 
 }  // namespace patella::app

@@ -15,4 +15,8 @@ namespace patella::app {
 std::vector<std::optional<std::uint8_t>> readCanopen(const TomlTable& root, bool rehearsal,
                                                      const BusAssignment& assignment, BusDescription& bus);
 
+/// A heartbeat is sent, and looked for, once a tick at most: throws std::invalid_argument naming key, value
+/// and what was expected, where a time is too short for a tick of `tick_s`.
+void requireHeartbeats(const canopen::NetworkSettings& network, double tick_s);
+
 }  // namespace patella::app

@@ -5,6 +5,7 @@
 
 #include "drivers/canopen/node_setup.hpp"
 #include "firmware_app/configuration/bus_tables.hpp"
+#include "firmware_app/configuration/canopen_config.hpp"
 #include "firmware_app/configuration/fault_script_file.hpp"
 #include "firmware_app/configuration/rig_config.hpp"
 #include "firmware_app/configuration/tick_config.hpp"
@@ -193,6 +194,7 @@ void requireSyncPeriod(const RunConfig& config) {
     return;
   }
   canopen::interpolationTime(period_s);
+  requireHeartbeats(config.bus.canopen.network, period_s);
   if (std::abs(config.bus.map.encoder_period_s - period_s) > kRounding * period_s) {
     throw std::invalid_argument("checks.encoder_period_s = " + formatNumber(config.bus.map.encoder_period_s) +
                                 ", expected " + formatNumber(period_s) +

@@ -87,38 +87,65 @@ TEST_CASE("CiA 402: a map that is wrong is told of by line, key, value and what 
   CHECK(says(refusal("eds = \"cia402.eds\"", "eds = \"cia402.toml\""), "cia402.toml:"));
 }
 
-TEST_CASE("CiA 402: drives that sample at SYNC have the loop's period, and one that they can be told") {
+namespace {
+
+/// A run with the shipped map, at another rate; what is said of it.
+std::string refusalOfRun(double rate_Hz, const std::string& period, const std::string& from = "",
+                         const std::string& to = "") {
   const test::ScratchFolder folder;
-  const auto load = [&folder](double rate_Hz, const std::string& period) -> std::string {
-    const std::filesystem::path config = checkout::source() / "firmware_app/config";
-    std::string map = readFile(kMap);
-    const auto replace = [](std::string& text, const std::string& from, const std::string& to) {
-      for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-        text.replace(at, from.size(), to);
-    };
-    replace(map, "\"cia402.", "\"" + (config / "can/cia402.").string());
-    replace(map, "encoder_period_s = 0.001", "encoder_period_s = " + period);
-    writeFile(folder.path() / "map.toml", map);
-    std::string run = readFile(config / "adult.toml");
-    replace(run, "\nweights = ", "\n# ");
-    replace(run, "\"models/", "\"" + (config / "models/").string());
-    replace(run, "\"can/patella.toml\"", "\"" + (folder.path() / "map.toml").string() + "\"");
-    writeFile(folder.path() / "run.toml", run);
-    CommandLine line;
-    line.config = folder.path() / "run.toml";
-    line.rate_Hz = rate_Hz;
-    try {
-      loadRunConfig(line);
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "";
+  const std::filesystem::path config = checkout::source() / "firmware_app/config";
+  std::string map = readFile(kMap);
+  const auto replace = [](std::string& text, const std::string& old, const std::string& now) {
+    for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + now.size()))
+      text.replace(at, old.size(), now);
   };
-  CHECK(load(1000.0, "0.001").empty());
-  CHECK(load(500.0, "0.002").empty());
+  replace(map, "\"cia402.", "\"" + (config / "can/cia402.").string());
+  replace(map, "encoder_period_s = 0.001", "encoder_period_s = " + period);
+  replace(map, "encoder_timeout_s = 0.005", "encoder_timeout_s = 0.02");
+  if (!from.empty()) {
+    REQUIRE(map.find(from) != std::string::npos);
+    replace(map, from, to);
+  }
+  writeFile(folder.path() / "map.toml", map);
+  std::string run = readFile(config / "adult.toml");
+  replace(run, "\nweights = ", "\n# ");
+  replace(run, "\nvelocity_cutoff_Hz = ", "\n# ");
+  replace(run, "\"models/", "\"" + (config / "models/").string());
+  replace(run, "\"can/patella.toml\"", "\"" + (folder.path() / "map.toml").string() + "\"");
+  writeFile(folder.path() / "run.toml", run);
+  CommandLine line;
+  line.config = folder.path() / "run.toml";
+  line.rate_Hz = rate_Hz;
+  try {
+    loadRunConfig(line);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("CiA 402: drives that sample at SYNC have the loop's period, and one that they can be told") {
+  CHECK(refusalOfRun(1000.0, "0.001").empty());
+  CHECK(refusalOfRun(500.0, "0.002").empty());
   CHECK(says(
-      load(500.0, "0.001"),
+      refusalOfRun(500.0, "0.001"),
       "map.toml: checks.encoder_period_s = 0.001, expected 0.002, a tick: the drives of [[cia402]] sample "
       "at the loop's SYNC"));
-  CHECK(says(load(3000.0, "0.001"), "expected one of 1 to 255 ms"));
+  CHECK(says(refusalOfRun(3000.0, "0.001"), "expected one of 1 to 255 ms"));
+}
+
+TEST_CASE("CiA 402: heartbeats are no faster than a tick, and time-outs hold two of them") {
+  CHECK(refusalOfRun(200.0, "0.005").empty());
+  CHECK(says(refusalOfRun(100.0, "0.01"),
+             "map.toml: key 'canopen.heartbeat_period_s': value 0.005, expected at least 0.01, a tick at "
+             "loop.rate_Hz of 100"));
+  const std::string loop = "heartbeat_period_s = 0.005\nheartbeat_timeout_s = 0.02 ";
+  CHECK(refusalOfRun(100.0, "0.01", loop, "heartbeat_period_s = 0.01\nheartbeat_timeout_s = 0.02 ").empty());
+  const std::string node = "node_heartbeat_period_s = 0.01\nnode_heartbeat_timeout_s = 0.03";
+  CHECK(says(
+      refusalOfRun(200.0, "0.005", node, "node_heartbeat_period_s = 0.002\nnode_heartbeat_timeout_s = 0.009"),
+      "map.toml: key 'canopen.node_heartbeat_timeout_s': value 0.009, expected at least 0.01, two ticks "
+      "at loop.rate_Hz of 200"));
 }
