@@ -119,7 +119,7 @@ inline constexpr std::array kSafety{
     number("safety.drive.over_tolerance", "", 0.001, 0.5, "share of the torque limit, as follow_tolerance"),
     rehearsed(number("safety.drive.over_time_s", "s", 0, 0.05, "as follow_time_s; 0 at once"), 1),
     number("safety.emg.flat_mV", "mV", 0, 10, "a strong muscle gives 10; 0 is off"),
-    number("safety.emg.flat_time_s", "s", 0.001, 1, "no muscle is still for longer, by its noise"),
+    number("safety.emg.flat_time_s", "s", 0.02, 1, "EMG of 20 Hz stands still for half of that; no muscle is still for a second, by its noise"),
     number("safety.emg.saturation_mV", "mV", 1e-6, 1000, "beyond any amplifier's input"),
     number("safety.emg.saturation_time_s", "s", 0.001, 1, "a therapist's reaction"),
     number("safety.emg.hum_mV", "mV", 1e-6, 1000, "beyond any amplifier's input"),

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/bounds/bounds.hpp"
+
 namespace patella::safety {
 
 EmgMonitor::EmgMonitor(const EmgMonitorSettings& settings, const std::array<bool, kMaxEmgChannels>& used,
@@ -14,7 +16,8 @@ EmgMonitor::EmgMonitor(const EmgMonitorSettings& settings, const std::array<bool
       mains_rad_s_(2.0 * std::numbers::pi * (mains_Hz > 0.0 ? mains_Hz : 50.0)) {
   for (Channel& channel : channels_) {
     // The score begins once the signal has stood still for kStill_s.
-    channel.off = LeakyScore(std::max(settings.flat_time_s - kStill_s, 0.0));
+    static_assert(boundOf("safety.emg.flat_time_s").minimum >= kStill_s);
+    channel.off = LeakyScore(settings.flat_time_s - kStill_s);
     channel.saturated = LeakyScore(settings.saturation_time_s);
     channel.hum = LeakyScore(settings.hum_time_s);
   }
@@ -58,7 +61,9 @@ FaultSet EmgMonitor::judge(Channel& channel, double sample_mV, double dt_s) cons
     channel.lowest_mV = channel.highest_mV = sample_mV;
     channel.still_s = 0.0;
   }
-  if (channel.off.update(channel.still_s > kStill_s + kScoreSlack && !saturated, known_s)) {
+  // Without a band, a value that repeats itself is not judged.
+  const bool still = settings_.flat_mV > 0.0 && channel.still_s > kStill_s + kScoreSlack;
+  if (channel.off.update(still && !saturated, known_s)) {
     faults.add(Fault::kEmgElectrodeOff);
   }
   if (channel.saturated.update(saturated, known_s)) {

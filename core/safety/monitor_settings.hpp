@@ -36,7 +36,8 @@ struct DriveMonitorSettings {
 };
 
 struct EmgMonitorSettings {
-  double flat_mV = 0.001;  ///< an electrode on skin moves more than that (peak to peak) within flat_time_s
+  /// An electrode on skin moves more than that (peak to peak) within flat_time_s. 0: not judged.
+  double flat_mV = 0.001;
   double flat_time_s = 0.5;
   double saturation_mV = 1.45;
   double saturation_time_s = 0.02;  ///< of saturated samples, more than there are others

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include "core/bounds/bounds.hpp"
 #include "tests/unit/safety/safety_fixture.hpp"
 
 using namespace patella;
@@ -51,6 +52,29 @@ TEST_CASE("an electrode that stands still is off, and only one that is used") {
   CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int k) { return k % 2 == 0 ? 0.0 : 0.0015; }) == -1);
   CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int) { return 0.0; }, {true, false, true, true}) == 500);
   CHECK(emgUntil(Fault::kEmgElectrodeOff, [](int) { return 0.0; }, {}) == -1);
+}
+
+TEST_CASE("without a band no electrode stands still, and the other faults are judged all the same") {
+  EmgMonitorSettings settings;
+  settings.flat_mV = 0.0;
+  EmgMonitor monitor(settings, kSecond, 1000.0, 50.0);
+  FaultSet faults;
+  for (int k = 0; k < 5000; ++k)
+    faults = faults | monitor.update({0.0, 0.3, 0.0, 0.0}, 1);
+  CHECK_FALSE(faults.any());
+  for (int k = 0; k < 50; ++k)
+    faults = faults | monitor.update({0.0, 1.5, 0.0, 0.0}, 1);
+  CHECK(faults == FaultSet{Fault::kEmgSaturated});
+}
+
+TEST_CASE("the shortest time of standing still is the one that is configured") {
+  EmgMonitorSettings settings;
+  settings.flat_time_s = boundOf("safety.emg.flat_time_s").minimum;
+  EmgMonitor monitor(settings, kSecond, 1000.0, 50.0);
+  int found = 0;
+  while (found < 1000 && !monitor.update({0.0, 0.3, 0.0, 0.0}, 1).any())
+    ++found;
+  CHECK(found * kTick_s == doctest::Approx(settings.flat_time_s).epsilon(0.1));
 }
 
 TEST_CASE("an electrode at the end of its range is saturated") {

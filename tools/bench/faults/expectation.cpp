@@ -227,7 +227,7 @@ std::optional<double> emgOwed(const Sight& sight, double longest_s, Bad&& bad) {
 }
 
 std::optional<double> disconnectionOwed(const Sight& sight, const safety::EmgMonitorSettings& emg) {
-  if (sight.event().value != 0.0) {
+  if (sight.event().value != 0.0 || emg.flat_mV == 0.0) {
     return std::nullopt;
   }
   constexpr double kStill_s = 0.02;
