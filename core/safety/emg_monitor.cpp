@@ -13,7 +13,10 @@ EmgMonitor::EmgMonitor(const EmgMonitorSettings& settings, const std::array<bool
     : settings_(settings),
       used_(used),
       period_s_(1.0 / rate_Hz),
-      mains_rad_s_(2.0 * std::numbers::pi * (mains_Hz > 0.0 ? mains_Hz : 50.0)) {
+      mains_count_(mains_Hz > 0.0 ? 1 : kMains_Hz.size()) {
+  for (std::size_t i = 0; i < mains_count_; ++i) {
+    mains_[i].rad_s = 2.0 * std::numbers::pi * (mains_Hz > 0.0 ? mains_Hz : kMains_Hz[i]);
+  }
   for (Channel& channel : channels_) {
     // The score begins once the signal has stood still for kStill_s.
     static_assert(boundOf("safety.emg.flat_time_s").minimum >= kStill_s);
@@ -28,7 +31,12 @@ FaultSet EmgMonitor::update(const EmgArray& sample_mV, int steps) noexcept PATEL
     return faults_;
   }
   const double dt_s = steps * period_s_;
-  phase_rad_ = std::fmod(phase_rad_ + mains_rad_s_ * dt_s, 2.0 * std::numbers::pi);
+  for (std::size_t i = 0; i < mains_count_; ++i) {
+    Mains& mains = mains_[i];
+    mains.phase_rad = std::fmod(mains.phase_rad + mains.rad_s * dt_s, 2.0 * std::numbers::pi);
+    mains.cosine = std::cos(mains.phase_rad);
+    mains.sine = std::sin(mains.phase_rad);
+  }
   faults_ = {};
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (!used_[i]) {
@@ -70,15 +78,23 @@ FaultSet EmgMonitor::judge(Channel& channel, double sample_mV, double dt_s) cons
     faults.add(Fault::kEmgSaturated);
   }
 
-  const double kept = std::max(1.0 - dt_s / kHumFilter_s, 0.0);
-  const double share = known_s / kHumFilter_s;
-  channel.real_mV = kept * channel.real_mV + share * sample_mV * std::cos(phase_rad_);
-  channel.imaginary_mV = kept * channel.imaginary_mV + share * sample_mV * std::sin(phase_rad_);
-  const double amplitude_mV = 2.0 * std::hypot(channel.real_mV, channel.imaginary_mV);
-  if (channel.hum.update(amplitude_mV > settings_.hum_mV, known_s)) {
+  if (channel.hum.update(hum_mV(channel, sample_mV, dt_s) > settings_.hum_mV, known_s)) {
     faults.add(Fault::kEmgHum);
   }
   return faults;
+}
+
+double EmgMonitor::hum_mV(Channel& channel, double sample_mV, double dt_s) const noexcept {
+  const double kept = std::max(1.0 - dt_s / kHumFilter_s, 0.0);
+  const double share = std::min(dt_s, kBridged_s) / kHumFilter_s;
+  double largest_mV = 0.0;
+  for (std::size_t i = 0; i < mains_count_; ++i) {
+    Hum& hum = channel.hums[i];
+    hum.real_mV = kept * hum.real_mV + share * sample_mV * mains_[i].cosine;
+    hum.imaginary_mV = kept * hum.imaginary_mV + share * sample_mV * mains_[i].sine;
+    largest_mV = std::max(largest_mV, 2.0 * std::hypot(hum.real_mV, hum.imaginary_mV));
+  }
+  return largest_mV;
 }
 
 }  // namespace patella::safety

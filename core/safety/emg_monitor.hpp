@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "core/safety/fault.hpp"
 #include "core/safety/leaky_score.hpp"
@@ -18,7 +19,8 @@ namespace patella::safety {
 /// kBridged_s of it: in 2 x kBridged_s/τ the largest sample alone is no hum.
 class EmgMonitor {
  public:
-  /// Only electrodes `used` are watched. `mains_Hz` 0 stands for 50.
+  /// Only electrodes `used` are watched. `mains_Hz` 0 is unknown: 50 and 60 are judged, and the larger hum
+  /// counts.
   EmgMonitor(const EmgMonitorSettings& settings, const std::array<bool, kMaxEmgChannels>& used,
              double rate_Hz, double mains_Hz) noexcept;
 
@@ -30,20 +32,35 @@ class EmgMonitor {
   static constexpr double kBridged_s = 0.01;
   static constexpr double kStill_s = 0.02;
 
+  static constexpr std::array kMains_Hz = {50.0, 60.0};
+
+  /// What a signal is mixed down by.
+  struct Mains {
+    double rad_s = 0.0;
+    double phase_rad = 0.0;
+    double cosine = 1.0, sine = 0.0;  ///< of the phase
+  };
+
+  /// Mixed down by one of the mains.
+  struct Hum {
+    double real_mV = 0.0, imaginary_mV = 0.0;
+  };
+
   struct Channel {
     double lowest_mV = 0.0, highest_mV = 0.0;
     double still_s = 0.0;  ///< since the signal last left a band of flat_mV
-    double real_mV = 0.0, imaginary_mV = 0.0;
+    std::array<Hum, kMains_Hz.size()> hums;
     LeakyScore off, saturated, hum;  ///< s
   };
 
   FaultSet judge(Channel& channel, double sample_mV, double dt_s) const noexcept;
+  double hum_mV(Channel& channel, double sample_mV, double dt_s) const noexcept;
 
   EmgMonitorSettings settings_;
   std::array<bool, kMaxEmgChannels> used_;
   double period_s_;
-  double mains_rad_s_;
-  double phase_rad_ = 0.0;
+  std::array<Mains, kMains_Hz.size()> mains_;
+  std::size_t mains_count_;
   bool started_ = false;
   std::array<Channel, kMaxEmgChannels> channels_;
   FaultSet faults_;

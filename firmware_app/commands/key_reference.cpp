@@ -55,7 +55,7 @@ std::vector<KeyDescription> numberKeys() {
       {"estimation.estimate_cutoff_Hz", formatNumber(c.tick.estimate_cutoff_Hz) + " for samplers and terminal sliding mode, else 0", "low-pass on the estimate before it is used; 0 is without"},
       {"emg.band_low_Hz", formatNumber(c.tick.emg.band_low_Hz), "lower corner of the band-pass"},
       {"emg.band_high_Hz", formatNumber(c.tick.emg.band_high_Hz), "upper corner of the band-pass, lowered to 0.45 of the sample rate where needed"},
-      {"emg.mains_Hz", formatNumber(c.tick.emg.mains_Hz), "notch at the mains' frequency; 0 is without"},
+      {"emg.mains_Hz", formatNumber(c.tick.emg.mains_Hz), "notch at the mains' frequency, where hum is judged; 0 is without, and hum is judged at 50 and 60"},
       {"emg.envelope_Hz", formatNumber(c.tick.emg.envelope_Hz), "low-pass of the rectified signal"},
       {"emg.twitch_s", formatNumber(c.tick.emg.twitch_s), "time constant of the twitch response; 0 is without"},
       {"emg.mvc_mV", "1", "envelope at maximum voluntary contraction, for each channel"},

@@ -101,6 +101,25 @@ TEST_CASE("mains hum is told from muscle by its frequency") {
   CHECK(hum(1.0, 80.0) == -1);
 }
 
+TEST_CASE("of mains that are not known, 50 and 60 Hz are hum, and muscle is neither") {
+  const auto hums = [](double mains_Hz, double hum_Hz, double amplitude_mV) {
+    EmgMonitor monitor({}, kSecond, 1000.0, mains_Hz);
+    bool found = false;
+    for (int k = 0; k < 3000 && !found; ++k) {
+      const double hum_mV = amplitude_mV * std::sin(2.0 * std::numbers::pi * hum_Hz * k * kTick_s);
+      found = monitor.update({0.0, muscle(k) + hum_mV, 0.0, 0.0}, 1).has(Fault::kEmgHum);
+    }
+    return found;
+  };
+  CHECK(hums(0.0, 50.0, 0.6));
+  CHECK(hums(0.0, 60.0, 0.6));
+  CHECK_FALSE(hums(50.0, 60.0, 0.6));
+  CHECK_FALSE(hums(60.0, 50.0, 0.6));
+  CHECK_FALSE(hums(0.0, 50.0, 0.2));
+  CHECK_FALSE(hums(0.0, 60.0, 0.2));
+  CHECK_FALSE(hums(0.0, 80.0, 0.6));
+}
+
 TEST_CASE("what an electrode says after a gap is no more than one sample") {
   // Muscle at its loudest, and a gap of nearly the timeout again and again: nothing but muscle.
   EmgMonitor monitor({}, kSecond, 1000.0, 50.0);

@@ -1,6 +1,7 @@
 #include "tools/bench/faults/expectation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -243,17 +244,27 @@ std::optional<double> humOwed(const Sight& sight, const app::RunConfig& config) 
   constexpr double kMuscleHides = 1.3;  // of the limit: EMG may take off as much
   const safety::EmgMonitorSettings& emg = config.tick.monitors.emg;
   const FaultEvent& event = sight.event();
-  const double mains_rad_s =
-      2.0 * std::numbers::pi * (config.tick.emg.mains_Hz > 0.0 ? config.tick.emg.mains_Hz : 50.0);
-  double real_mV = 0.0;
-  double imaginary_mV = 0.0;
+  // Of unknown mains the larger hum counts: what either owes is owed.
+  const double known_Hz = config.tick.emg.mains_Hz;
+  struct Mixer {
+    double rad_s = 0.0;
+    double real_mV = 0.0;
+    double imaginary_mV = 0.0;
+  };
+  std::array<Mixer, 2> mixers;
+  mixers[0].rad_s = 2.0 * std::numbers::pi * (known_Hz > 0.0 ? known_Hz : 50.0);
+  mixers[1].rad_s = 2.0 * std::numbers::pi * (known_Hz > 0.0 ? known_Hz : 60.0);
   return emgOwed(sight, emg.hum_time_s, [&](double t, bool there) {
     const double signal_mV =
         there ? event.value * std::sin(2.0 * std::numbers::pi * event.frequency_Hz * t) : 0.0;
     const double share = kSample_s / kFilter_s;
-    real_mV += share * (signal_mV * std::cos(mains_rad_s * t) - real_mV);
-    imaginary_mV += share * (signal_mV * std::sin(mains_rad_s * t) - imaginary_mV);
-    return 2.0 * std::hypot(real_mV, imaginary_mV) > kMuscleHides * emg.hum_mV;
+    bool bad = false;
+    for (Mixer& mixer : mixers) {
+      mixer.real_mV += share * (signal_mV * std::cos(mixer.rad_s * t) - mixer.real_mV);
+      mixer.imaginary_mV += share * (signal_mV * std::sin(mixer.rad_s * t) - mixer.imaginary_mV);
+      bad = bad || 2.0 * std::hypot(mixer.real_mV, mixer.imaginary_mV) > kMuscleHides * emg.hum_mV;
+    }
+    return bad;
   });
 }
 
