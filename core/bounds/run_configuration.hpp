@@ -55,7 +55,7 @@ inline constexpr std::array kEstimation{
     number("estimation.disturbance_limit", "N·m or N", 1e-3, 2000, "a person's weight with the rig's on the foot"),
     number("estimation.rest_density_Nm", "N·m/√s", 0, 1e5, "as disturbance_density; 0 is without"),
     number("estimation.velocity_cutoff_Hz", "Hz", 0.1, 5000, "half the highest rate; below half the encoder's"),
-    number("estimation.estimate_cutoff_Hz", "Hz", 0.1, 5000, "as velocity_cutoff_Hz"),
+    number("estimation.estimate_cutoff_Hz", "Hz", 0, 5000, "as velocity_cutoff_Hz; 0 is without"),
 };
 
 inline constexpr std::array kEmg{

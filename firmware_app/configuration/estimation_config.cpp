@@ -131,6 +131,15 @@ void requireBandwidth(const TomlTable& table, const PerJoint& bandwidth_Hz, doub
                       period_s);
 }
 
+// Between 0, which is without, and the slowest low-pass stands none.
+void requireLowPass(const TomlTable& table, const char* key, double cutoff_Hz) {
+  constexpr double kSlowest_Hz = boundOf("estimation.velocity_cutoff_Hz").minimum;
+  if (cutoff_Hz != 0.0 && cutoff_Hz < kSlowest_Hz) {
+    throw table.error(key, "value " + formatNumber(cutoff_Hz) +
+                               ", expected 0, which is without, or at least " + formatNumber(kSlowest_Hz));
+  }
+}
+
 ObserverKind readKind(const TomlTable& table) {
   std::vector<std::string> names;
   for (const Named& observer : kObservers) {
@@ -199,6 +208,7 @@ ObserverConfig readEstimation(const TomlTable& table, int joints, tick::TickSett
       number(table, boundOf("estimation.estimate_cutoff_Hz"),
              needsLowPass(config.kind) ? std::min(tick.estimate_cutoff_Hz, usual_Hz) : 0.0);
   requireBelowNyquist(table, "velocity_cutoff_Hz", tick.velocity_cutoff_Hz, tick.encoder_period_s);
+  requireLowPass(table, "estimate_cutoff_Hz", tick.estimate_cutoff_Hz);
   requireBelowNyquist(table, "estimate_cutoff_Hz", tick.estimate_cutoff_Hz, tick.encoder_period_s);
   return config;
 }

@@ -342,6 +342,17 @@ TEST_CASE("a run shorter than a tick is no run without an end") {
   CHECK(outcome(boundOf("loop.duration_s"), 1e-3) == "accepted");
 }
 
+TEST_CASE("an estimate has no low-pass, or one that is no slower than that of the velocity") {
+  const Bound& bound = boundOf("estimation.estimate_cutoff_Hz");
+  CHECK(outcome(bound, 0.0) == "accepted");
+  CHECK(outcome(bound, 0.1) == "accepted");
+  CHECK(
+      outcome(bound, 0.05)
+          .find(
+              "estimation.estimate_cutoff_Hz': value 0.05, expected 0, which is without, or at least 0.1") !=
+      std::string::npos);
+}
+
 TEST_CASE("a bus map that says nothing of positions bounds them all the same") {
   const std::string text = "dbc = \"" + checkout::source().string() +
                            "/drivers/can/patella.dbc\"\n[command]\nmessage = \"TorqueCommand\"\n";
