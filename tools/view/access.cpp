@@ -54,7 +54,16 @@ std::string refusal(const Access& access, const Visitor& visitor) {
 std::vector<std::string> hostsOf(const std::string& address, std::uint16_t port) {
   const std::string suffix = ":" + std::to_string(port);
   const std::string own = address.find(':') == std::string::npos ? address : "[" + address + "]";
-  return {own + suffix, "localhost" + suffix, "127.0.0.1" + suffix, "[::1]" + suffix};
+  constexpr std::uint16_t kHttpPort = 80;
+  std::vector<std::string> hosts;
+  for (const std::string& name :
+       {own, std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]")}) {
+    hosts.push_back(name + suffix);
+    if (port == kHttpPort) {
+      hosts.push_back(name);  // browsers leave the scheme's own port out
+    }
+  }
+  return hosts;
 }
 
 }  // namespace patella::view

@@ -26,7 +26,7 @@ struct Visitor {
 /// name that was made to lead here by its host.
 std::string refusal(const Access& access, const Visitor& visitor);
 
-/// Hosts by which a server that listens there may be called.
+/// Hosts by which a server that listens there may be called. Those of port 80 stand without it as well.
 std::vector<std::string> hostsOf(const std::string& address, std::uint16_t port);
 
 }  // namespace patella::view

@@ -33,3 +33,19 @@ TEST_CASE("pages of other sites and names that were made to lead here are refuse
   CHECK_FALSE(visit("elsewhere.example:8765", "").empty());
   CHECK_FALSE(visit("127.0.0.1:80", "").empty());
 }
+
+TEST_CASE("on port 80, which browsers leave out, names come in with the port and without") {
+  const Access access{.token = "", .hosts = hostsOf("192.168.7.2", 80), .origins = {}};
+  const auto visit = [&](const char* host, const char* origin) {
+    return refusal(access, {.host = host, .origin = origin, .target = "/"});
+  };
+  for (const char* host : {"192.168.7.2", "192.168.7.2:80", "localhost", "127.0.0.1", "[::1]", "[::1]:80"}) {
+    CAPTURE(host);
+    CHECK(visit(host, "").empty());
+  }
+  CHECK(visit("localhost", "http://localhost").empty());
+  CHECK_FALSE(visit("localhost", "http://elsewhere.example").empty());
+  CHECK_FALSE(visit("elsewhere.example", "").empty());
+  const Access other{.token = "", .hosts = hostsOf("127.0.0.1", 8765), .origins = {}};
+  CHECK_FALSE(refusal(other, {.host = "127.0.0.1", .origin = "", .target = "/"}).empty());
+}
