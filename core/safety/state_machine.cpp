@@ -45,10 +45,6 @@ StateMachine::StateMachine(int healthy_ticks) : healthy_ticks_(healthy_ticks) {
 }
 
 StateOutput StateMachine::step(const StateInputs& inputs) noexcept PATELLA_NONBLOCKING {
-  const FaultSet appeared = inputs.faults.without(faults_before_);
-  for (int i = 0; i < kFaultCount; ++i) {
-    fault_counts_[static_cast<std::size_t>(i)] += appeared.has(static_cast<Fault>(i)) ? 1U : 0U;
-  }
   const bool healthy = inputs.inputs_valid && !inputs.faults.any();
   healthy_count_ = healthy ? std::min(healthy_count_ + 1, healthy_ticks_) : 0;
   const bool long_healthy = healthy_count_ == healthy_ticks_;
@@ -76,7 +72,6 @@ StateOutput StateMachine::step(const StateInputs& inputs) noexcept PATELLA_NONBL
   }
   enable_before_ = inputs.enable;
   reset_before_ = inputs.reset;
-  faults_before_ = inputs.faults;
 
   const bool active = state_ == State::kActive;
   const bool was_active = before == State::kActive;

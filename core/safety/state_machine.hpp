@@ -92,19 +92,14 @@ class StateMachine {
   /// One tick. Enable and reset that are held since before the first tick are no edges.
   StateOutput step(const StateInputs& inputs) noexcept PATELLA_NONBLOCKING;
 
-  /// Per fault, how often it appeared: ticks with it after a tick without.
-  const std::array<std::uint64_t, kFaultCount>& faultCounts() const noexcept { return fault_counts_; }
-
  private:
   int healthy_ticks_;
   int healthy_count_ = 0;
   State state_ = State::kInit;
   bool enable_before_ = true;
   bool reset_before_ = true;
-  FaultSet faults_before_;
   FaultSet latched_;
   Fault first_cause_ = Fault::kCount;
-  std::array<std::uint64_t, kFaultCount> fault_counts_{};
 };
 
 }  // namespace patella::safety

@@ -85,7 +85,6 @@ TEST_CASE("every fault in every state") {
       CHECK(out.entered_stop == (from == State::kActive));
       CHECK(out.latched == FaultSet{fault});
       CHECK(out.first_cause == fault);
-      CHECK(machine.faultCounts()[static_cast<std::size_t>(i)] == 1);
     }
 
     StateMachine limited = in(State::kLimited);
@@ -205,17 +204,6 @@ TEST_CASE("the first cause outlives what follows it, and the lowest number of on
       in(State::kActive)
           .step({.faults = {Fault::kVelocityLimit, Fault::kBusOff}, .inputs_valid = true, .enable = true});
   CHECK(both.state == State::kFault);
-}
-
-TEST_CASE("faults are counted when they appear, not while they last") {
-  StateMachine machine = in(State::kActive);
-  repeat(machine, with(Fault::kDriveStale), 40);
-  repeat(machine, kIdle, 3);
-  repeat(machine, with(Fault::kDriveStale), 40);
-  const auto& counts = machine.faultCounts();
-  for (int i = 0; i < kFaultCount; ++i) {
-    CHECK(counts[static_cast<std::size_t>(i)] == (static_cast<Fault>(i) == Fault::kDriveStale ? 2U : 0U));
-  }
 }
 
 TEST_CASE("the table holds what the documentation promises of it") {
