@@ -18,7 +18,8 @@ namespace patella::safety {
 /// A tick is bad when any report of it is; good ones make up for bad ones by kDriveRecovery only.
 class DriveMonitor {
  public:
-  /// `period_s` between two ticks. Throws std::invalid_argument where response_s holds too many of them.
+  /// `period_s` between two ticks. The bounds of loop.rate_Hz and safety.drive.response_s, which are held
+  /// before, keep the commands of response_s to some thousand.
   DriveMonitor(int joints, const DriveMonitorSettings& settings, const SafetyLimits& limits, double period_s);
 
   /// Every tick, with what the drives report in it: kDriveNotFollowing, kDriveOverTorque.

@@ -286,7 +286,7 @@ std::vector<WordKey> wordKeys() {
       {"Bus map", "cia402.rated_torque_unit", "`mN.m`, `uN.m`", kRequired, "in which the drive's maker has 6076h"},
       {"Bus map", "input.scale_reason", "text", "none", "what `scale` holds besides the change of units"},
       {"Bus map", "protection.message", "name in the DBC", kRequired, "message with counter or CRC"},
-      {"Bus map", "protection.counter", "name of a signal", "none", "4 or 8 bits, likewise `command.counter`"},
+      {"Bus map", "protection.counter", "name of a signal", "none", "an integer of 1 to 16 bits, likewise `command.counter`"},
       {"Bus map", "protection.crc", "name of a signal", "none", "CRC-8 (SAE J1850), likewise `command.crc`"},
       {"Bus map", "command.message", "name in the DBC", kRequired, "message that commands the drives"},
       {"Model: mechanism", "mechanism.kind", "`planar_two_link`, `revolute`, `prismatic`, `serial_chain`", kRequired, "two links, one joint, a rail, or a chain ([chains.md](chains.md))"},
