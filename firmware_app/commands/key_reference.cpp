@@ -71,7 +71,7 @@ std::vector<KeyDescription> numberKeys() {
       {"emg.gain8_Nm", "0", "likewise, on joint 8"},
       {"control.gravity", "0", "share of the model's gravity that the drives carry"},
       {"control.model", "0", "share of the model without gravity: inertia at the reference's acceleration, velocity terms, effects"},
-      {"control.emg", "0", "share of the EMG torque; negative resists"},
+      {"control.emg", "0", "share of the EMG torque; negative resists. Not 0, it needs an input `emg_mV` for each electrode with a gain"},
       {"control.compensation", "0", "share of the estimated unknown torque that is compensated"},
       {"control.stiffness_Nm_rad", "0", "towards the reference, for each joint"},
       {"control.damping_Nms_rad", "0", "against the difference of rates, for each joint"},

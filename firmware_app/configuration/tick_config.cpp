@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "drivers/can/input_table.hpp"
 #include "firmware_app/configuration/monitor_config.hpp"
 #include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/wording.hpp"
@@ -86,6 +87,36 @@ void readControl(const TomlTable& table, RunConfig& config) {
   if (source == "network" && !config.weights) {
     throw table.error("compensation_source",
                       "value 'network', expected 'none' or 'sampler' as no weights are given");
+  }
+}
+
+// What no electrode hears would assist with nothing, and nobody would be told.
+void requireElectrodes(const TomlTable& control, const RunConfig& config) {
+  if (config.tick.gains.emg == 0.0) {
+    return;
+  }
+  std::array<bool, kMaxEmgChannels> bound{};
+  for (const can::Binding& binding : config.bus.map.bindings) {
+    const can::InputId input = can::inputOf(binding.input, kMaxJoints);
+    if (input.input == can::Input::kEmg) {
+      bound[static_cast<std::size_t>(input.index)] = true;
+    }
+  }
+  const auto refusal = [&](const std::string& expected) {
+    return control.error("emg", "value " + formatNumber(config.tick.gains.emg) + ", expected 0, or " +
+                                    expected + " of " + config.bus_map_path.string());
+  };
+  if (std::none_of(bound.begin(), bound.end(), [](bool is) { return is; })) {
+    throw refusal("an input emg_mV");
+  }
+  for (std::size_t joint = 0; joint < static_cast<std::size_t>(config.model.joints()); ++joint) {
+    for (std::size_t channel = 0; channel < bound.size(); ++channel) {
+      if (config.tick.emg_gain_Nm[joint][channel] != 0.0 && !bound[channel]) {
+        const std::string number = std::to_string(channel + 1);
+        throw refusal("an input emg_mV." + number + ", to which emg.gain" + std::to_string(joint + 1) +
+                      "_Nm gives torque,");
+      }
+    }
   }
 }
 
@@ -192,7 +223,9 @@ void readTickConfig(const TomlTable& root, RunConfig& config) {
   config.observer = readEstimation(root.optionalTable("estimation"), config.model.joints(), config.tick);
   readNetwork(root.optionalTable("network"), config);
   readEmg(root.optionalTable("emg"), config);
-  readControl(root.optionalTable("control"), config);
+  const TomlTable control = root.optionalTable("control");
+  readControl(control, config);
+  requireElectrodes(control, config);
   config.tick.reference = readReference(root.optionalTable("reference"), config);
   readSafety(root.table("safety"), config);
 }

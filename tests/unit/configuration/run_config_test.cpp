@@ -2,6 +2,7 @@
 #include "firmware_app/configuration/run_config.hpp"
 
 #include <cstddef>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -207,4 +208,55 @@ TEST_CASE(
         with(chain, folder / "force.toml"),
         doctest::Contains("value 'kalman_force' with a serial_chain, expected one of the others"), FileError);
   }
+}
+
+namespace {
+
+/// The demonstration with one place of its configuration and one of its bus map changed; what is said of it.
+std::string refusal(const std::string& from, const std::string& to, const std::string& map_from = "",
+                    const std::string& map_to = "") {
+  const patella::test::ScratchFolder folder;
+  const std::filesystem::path config = patella::checkout::source() / "firmware_app/config";
+  const auto replace = [](std::string& text, const std::string& old, const std::string& now) {
+    REQUIRE(text.find(old) != std::string::npos);
+    for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + now.size()))
+      text.replace(at, old.size(), now);
+  };
+  std::string map = readFile(config / "can/patella.toml");
+  replace(map, "dbc = \"../../../", "dbc = \"" + patella::checkout::source().string() + "/");
+  if (!map_from.empty())
+    replace(map, map_from, map_to);
+  writeFile(folder / "map.toml", map);
+  std::string run = readFile(config / "adult.toml");
+  replace(run, "\nweights = ", "\n# ");
+  replace(run, "\"models/", "\"" + (config / "models/").string());
+  replace(run, "\"can/patella.toml\"", "\"map.toml\"");
+  replace(run, from, to);
+  writeFile(folder / "run.toml", run);
+  CommandLine line;
+  line.config = folder / "run.toml";
+  try {
+    loadRunConfig(line);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool says(const std::string& text, const char* part) {
+  CAPTURE(text);
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("EMG that assists has its electrodes on the bus") {
+  CHECK(refusal("emg = 0.3", "emg = 0.3").empty());
+  CHECK(says(refusal("emg = 0.3", "emg = 0.3", "{ name = \"emg_mV.4", "# {"),
+             "key 'control.emg': value 0.3, expected 0, or an input emg_mV.4, to which emg.gain2_Nm gives "
+             "torque, of "));
+  CHECK(refusal("gain2_Nm = [0, 0, 8, -8]", "gain2_Nm = [0, 0, 8, 0]", "{ name = \"emg_mV.4", "# {").empty());
+  CHECK(refusal("emg = 0.3", "emg = 0", "{ name = \"emg_mV.4", "# {").empty());
+  CHECK(says(refusal("emg = 0.3", "emg = -1", "{ name = \"emg_mV.", "# {"),
+             "key 'control.emg': value -1, expected 0, or an input emg_mV of "));
 }
