@@ -183,6 +183,21 @@ control::ReferenceSettings readReference(const TomlTable& table, const RunConfig
   return r;
 }
 
+// A position beyond what the bus map lets pass is no position: the leg would be stopped within its range.
+void requirePlausible(const TomlTable& table, const safety::JointLimits& joint, const RunConfig& config) {
+  const can::BusMap& map = config.bus.map;
+  const auto refusal = [&](const char* key, double value_rad, const std::string& expected, double end_rad) {
+    return table.error(key, "value " + formatNumber(value_rad) + ", expected " + expected + " of " +
+                                config.bus_map_path.string() + ", which is " + formatNumber(end_rad));
+  };
+  if (joint.q_min_rad < map.position_min_rad) {
+    throw refusal("q_min_rad", joint.q_min_rad, "at least checks.position_min_rad", map.position_min_rad);
+  }
+  if (joint.q_max_rad > map.position_max_rad) {
+    throw refusal("q_max_rad", joint.q_max_rad, "at most checks.position_max_rad", map.position_max_rad);
+  }
+}
+
 void readSafety(const TomlTable& table, RunConfig& config) {
   const auto joints = static_cast<std::size_t>(config.model.joints());
   const auto perJoint = [&](const Bound& bound) {
@@ -203,6 +218,7 @@ void readSafety(const TomlTable& table, RunConfig& config) {
                        .q_min_rad = lower[i],
                        .q_max_rad = upper[i],
                        .soft_margin_rad = margin[i]};
+    requirePlausible(table, limits.joint[i], config);
   }
   limits.saturation_timeout_s =
       number(table, boundOf("safety.saturation_timeout_s"), limits.saturation_timeout_s);

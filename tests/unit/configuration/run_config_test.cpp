@@ -260,3 +260,14 @@ TEST_CASE("EMG that assists has its electrodes on the bus") {
   CHECK(says(refusal("emg = 0.3", "emg = -1", "{ name = \"emg_mV.", "# {"),
              "key 'control.emg': value -1, expected 0, or an input emg_mV of "));
 }
+
+TEST_CASE("positions within the safety range are plausible on the bus") {
+  const std::string lower = "position_min_rad = -6.3";
+  const std::string upper = "position_max_rad = 6.3";
+  CHECK(refusal("emg = 0.3", "emg = 0", lower, "position_min_rad = -2.2").empty());
+  CHECK(says(refusal("emg = 0.3", "emg = 0", lower, "position_min_rad = -2.1"),
+             "key 'safety.q_min_rad': value -2.2, expected at least checks.position_min_rad of "));
+  CHECK(refusal("emg = 0.3", "emg = 0", upper, "position_max_rad = 0.2").empty());
+  CHECK(says(refusal("emg = 0.3", "emg = 0", upper, "position_max_rad = 0.15"),
+             "key 'safety.q_max_rad': value 0.2, expected at most checks.position_max_rad of "));
+}
