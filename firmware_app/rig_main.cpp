@@ -70,7 +70,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     const auto rig = patella::app::makeRig(config);
     std::vector<std::unique_ptr<patella::can::Bus>> interfaces;
     for (const patella::app::BusSettings& bus : config.buses) {
-      interfaces.push_back(std::make_unique<patella::can::SocketCanBus>(bus.interface));
+      const bool fd = !patella::app::fdMessage(config.bus, interfaces.size()).empty();
+      interfaces.push_back(std::make_unique<patella::can::SocketCanBus>(
+          bus.interface, patella::can::SocketCanOptions{.require_fd = fd}));
     }
     patella::can::BusGroup bus(std::move(interfaces));
     options.set_interface_down = [&config](std::size_t which, bool down) {

@@ -182,7 +182,7 @@ void SocketCanBus::State::attach(const std::string& interface, const SocketCanOp
     fail(interface, "cannot be asked for its frame size", errno);
   fd_capable = query.ifr_mtu >= static_cast<int>(CANFD_MTU);
   if (options.require_fd && !fd_capable)
-    fail(interface, "carries no CAN FD frames");
+    fail(interface, "carries classic frames only, expected CAN FD, which messages of the bus map have");
   query = request(interface);
   if (ioctl(socket.fd, SIOCGIFTXQLEN, &query) == 0)
     queue_length = query.ifr_qlen;

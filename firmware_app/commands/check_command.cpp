@@ -177,7 +177,9 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   needs.cpus = config.realtime.cpus;
   if (config.backend.kind == BackendKind::kCan) {
     for (const BusSettings& bus : config.buses) {
-      needs.can.push_back({.interface = bus.interface, .bitrate = bus.bitrate});
+      needs.can.push_back({.interface = bus.interface,
+                           .bitrate = bus.bitrate,
+                           .fd_message = fdMessage(config.bus, needs.can.size())});
     }
     needs.gpio_chip = config.gpio ? gpio::chipPath(config.gpio->chip) : "";
   }

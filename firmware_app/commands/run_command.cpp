@@ -103,7 +103,8 @@ std::unique_ptr<can::Bus> openInterfaces(const RunConfig& config) {
     if (config.rehearsal) {
       requireVirtual(bus.interface);
     }
-    buses.push_back(std::make_unique<can::SocketCanBus>(bus.interface));
+    const can::SocketCanOptions options{.require_fd = !fdMessage(config.bus, buses.size()).empty()};
+    buses.push_back(std::make_unique<can::SocketCanBus>(bus.interface, options));
   }
   return buses.size() == 1 ? std::move(buses.front()) : std::make_unique<can::BusGroup>(std::move(buses));
 }

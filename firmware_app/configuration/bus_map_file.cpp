@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "drivers/can/binding_check.hpp"
+#include "drivers/can/input_table.hpp"
 #include "drivers/canopen/drive_binding.hpp"
 #include "firmware_app/configuration/canopen_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
@@ -236,6 +237,31 @@ void placeNodes(BusDescription& bus) {
 }
 
 }  // namespace
+
+std::string fdMessage(const BusDescription& bus, std::size_t number) {
+  std::vector<std::string> names;
+  for (const can::CommandMap& command : bus.commands) {
+    names.push_back(command.message);
+    for (const auto* frames : {&command.enter, &command.leave, &command.clear}) {
+      for (const can::FixedFrame& frame : *frames) {
+        names.push_back(frame.message.empty() ? command.message : frame.message);
+      }
+    }
+  }
+  for (const can::Binding& binding : bus.map.bindings) {
+    // The truth comes from simulated rigs alone.
+    if (can::inputOf(binding.input, kMaxJoints).input != can::Input::kTruth) {
+      names.push_back(binding.message);
+    }
+  }
+  for (const std::string& name : names) {
+    const can::Message& message = bus.database.message(name);
+    if (message.fd && message.bus == number) {
+      return name;
+    }
+  }
+  return "";
+}
 
 BusDescription loadBusDescription(const std::filesystem::path& path,
                                   const std::optional<std::filesystem::path>& dbc, bool rehearsal,

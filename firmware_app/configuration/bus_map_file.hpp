@@ -23,6 +23,9 @@ struct BusDescription {
   std::vector<std::filesystem::path> data_sheets;  ///< EDS or DCF of each of them
 };
 
+/// A message in CAN FD that the loop sends or needs on the bus of that number; empty where all are classic.
+std::string fdMessage(const BusDescription& bus, std::size_t number);
+
 /// Reads the map and the DBC it names. Throws FileError naming file, line and key; a DBC's own errors carry
 /// its file, line and column. `dbc` is read in place of the one that the map names. In a rehearsal, which
 /// moves no motor, timeouts may be longer. `buses`: those that `bus` keys of the map may name; each has to

@@ -71,8 +71,6 @@ T valueOf(const char* payload, std::size_t bytes) {
 void readControllerAttribute(CanInterface& found, int type, const char* payload, std::size_t bytes) {
   if (type == IFLA_CAN_BITTIMING) {
     found.bitrate = valueOf<can_bittiming>(payload, bytes).bitrate;
-  } else if (type == IFLA_CAN_DATA_BITTIMING) {
-    found.data_bitrate = valueOf<can_bittiming>(payload, bytes).bitrate;
   } else if (type == IFLA_CAN_RESTART_MS) {
     found.restart_ms = valueOf<std::uint32_t>(payload, bytes);
   } else if (type == IFLA_CAN_STATE) {

@@ -10,7 +10,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/interrupt_findings.hpp"
 
 namespace patella::app {
@@ -134,44 +133,15 @@ Finding clockSourceFinding(const HostFiles& host) {
                  "see why the kernel gave up its counter: dmesg | grep -i clocksource");
 }
 
-void addInterfaceFindings(std::vector<Finding>& findings, const CanNeed& need) {
-  const std::string& name = need.interface;
-  const auto interface = queryCanInterface(name);
-  const bool there = interface && interface->can;
-  findings.push_back(
-      indispensable(finding("can_interface", kRequired, there,
-                            there       ? name + " (" + interface->kind + ")"
-                            : interface ? name + " is no CAN interface"
-                                        : name + " does not exist",
-                            name, "connect the adapter, or name another interface (ip -br link)")));
-  if (!there) {
-    return;
-  }
-  findings.push_back(indispensable(finding("can_up", kRequired, interface->up, interface->up ? "up" : "down",
-                                           "up", "ip link set " + name + " up")));
-  if (interface->state) {
-    const bool healthy = *interface->state == CAN_STATE_ERROR_ACTIVE;
-    findings.push_back(
-        finding("can_state", kRequired, healthy,
-                healthy ? "error active" : "state " + std::to_string(*interface->state), "error active",
-                "check wiring and termination, then ip link set " + name + " down, and up again"));
-  }
-  if (need.bitrate != 0 && interface->kind == "can") {
-    const std::string rate = std::to_string(need.bitrate);
-    findings.push_back(finding(
-        "can_bitrate", kRequired, interface->bitrate == need.bitrate, std::to_string(interface->bitrate),
-        rate, "ip link set " + name + " down; ip link set " + name + " up type can bitrate " + rate));
-  }
-  if (interface->kind == "can") {
-    const std::string restart = std::to_string(interface->restart_ms);
-    findings.push_back(finding(
-        "can_restart_ms", kAdvised, interface->restart_ms != 0, restart, "not 0: back from bus-off by itself",
-        "ip link set " + name + " down; ip link set " + name + " up type can restart-ms 100"));
-  }
-  findings.push_back(finding("can_txqueuelen", kRequired, interface->txqueuelen <= kLongestCanQueue,
-                             std::to_string(interface->txqueuelen),
-                             "at most " + std::to_string(kLongestCanQueue),
-                             "ip link set " + name + " txqueuelen " + std::to_string(kLongestCanQueue)));
+Finding fdFinding(const CanNeed& need, const CanInterface& interface) {
+  const std::string link = "ip link set " + need.interface;
+  return indispensable(
+      finding("can_fd", kRequired, interface.fd, interface.fd ? "CAN FD" : "classic frames only",
+              "CAN FD, for message '" + need.fd_message + "' of the bus map",
+              interface.kind == "vcan" ? link + " down; " + link + " mtu 72 up"
+                                       : link + " down; " + link +
+                                             " up type can dbitrate RATE fd on, with a controller "
+                                             "that has it"));
 }
 
 void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
@@ -180,9 +150,7 @@ void addCanFindings(std::vector<Finding>& findings, const HostNeeds& needs) {
       indispensable(finding("can_kernel", kRequired, kernel, kernel ? "present" : "absent", "raw CAN sockets",
                             "modprobe can-raw, or use a kernel built with CONFIG_CAN_RAW")));
   for (const CanNeed& need : needs.can) {
-    std::vector<Finding> own;
-    addInterfaceFindings(own, need);
-    for (Finding& one : own) {
+    for (Finding one : interfaceFindings(need, queryCanInterface(need.interface))) {
       one.found = needs.can.size() > 1 ? need.interface + ": " + one.found : one.found;
       findings.push_back(one);
     }
@@ -203,6 +171,50 @@ Finding gpioFinding(const HostNeeds& needs) {
 }
 
 }  // namespace
+
+std::vector<Finding> interfaceFindings(const CanNeed& need, const std::optional<CanInterface>& interface) {
+  std::vector<Finding> findings;
+  const std::string& name = need.interface;
+  const bool there = interface && interface->can;
+  findings.push_back(
+      indispensable(finding("can_interface", kRequired, there,
+                            there       ? name + " (" + interface->kind + ")"
+                            : interface ? name + " is no CAN interface"
+                                        : name + " does not exist",
+                            name, "connect the adapter, or name another interface (ip -br link)")));
+  if (!there) {
+    return findings;
+  }
+  findings.push_back(indispensable(finding("can_up", kRequired, interface->up, interface->up ? "up" : "down",
+                                           "up", "ip link set " + name + " up")));
+  if (interface->state) {
+    const bool healthy = *interface->state == CAN_STATE_ERROR_ACTIVE;
+    findings.push_back(
+        finding("can_state", kRequired, healthy,
+                healthy ? "error active" : "state " + std::to_string(*interface->state), "error active",
+                "check wiring and termination, then ip link set " + name + " down, and up again"));
+  }
+  if (need.bitrate != 0 && interface->kind == "can") {
+    const std::string rate = std::to_string(need.bitrate);
+    findings.push_back(finding(
+        "can_bitrate", kRequired, interface->bitrate == need.bitrate, std::to_string(interface->bitrate),
+        rate, "ip link set " + name + " down; ip link set " + name + " up type can bitrate " + rate));
+  }
+  if (!need.fd_message.empty()) {
+    findings.push_back(fdFinding(need, *interface));
+  }
+  if (interface->kind == "can") {
+    const std::string restart = std::to_string(interface->restart_ms);
+    findings.push_back(finding(
+        "can_restart_ms", kAdvised, interface->restart_ms != 0, restart, "not 0: back from bus-off by itself",
+        "ip link set " + name + " down; ip link set " + name + " up type can restart-ms 100"));
+  }
+  findings.push_back(finding("can_txqueuelen", kRequired, interface->txqueuelen <= kLongestCanQueue,
+                             std::to_string(interface->txqueuelen),
+                             "at most " + std::to_string(kLongestCanQueue),
+                             "ip link set " + name + " txqueuelen " + std::to_string(kLongestCanQueue)));
+  return findings;
+}
 
 std::vector<Finding> hostReadiness(const HostNeeds& needs, const HostFiles& host) {
   std::vector<Finding> findings{

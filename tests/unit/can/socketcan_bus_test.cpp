@@ -121,7 +121,8 @@ TEST_CASE("CAN FD frames keep their length and bit-rate switch") {
   if (!here.flexibleDataRate()) {
     SocketCanOptions options;
     options.require_fd = true;
-    CHECK_THROWS_AS(SocketCanBus(kInterface, options), std::runtime_error);
+    CHECK_THROWS_WITH_AS(SocketCanBus(kInterface, options), doctest::Contains("expected CAN FD"),
+                         std::runtime_error);
     return;
   }
   Frame frame = makeFrame(0x100, 64, 5);

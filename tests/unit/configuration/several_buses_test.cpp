@@ -1,4 +1,5 @@
 // A run on two buses: what the shipped example comes to, and what is refused, by which words.
+#include <array>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -163,4 +164,36 @@ TEST_CASE("two buses: a script of faults strikes one of them, or all") {
                      "[[fault]]\nkind = \"rig_stall\"\ntime_s = 1\nduration_s = 1\n"
                      "bus = \"knee\"\n"),
              "bus"));
+}
+
+TEST_CASE("a bus needs CAN FD where the loop sends or needs a message of it, and no other bus does") {
+  const test::ScratchFolder folder;
+  const auto found = [&](const std::string& fd_id, const std::string& map_name) {
+    const std::string dbc = map_name == "patella" ? readFile(checkout::source() / "drivers/can/patella.dbc")
+                                                  : readFile(kConfig / "can/cia402.dbc");
+    std::string attributes =
+        "\nBA_DEF_ BO_ \"VFrameFormat\" ENUM "
+        "\"StandardCAN\",\"ExtendedCAN\",\"r2\",\"r3\",\"r4\",\"r5\",\"r6\",\"r7\","
+        "\"r8\",\"r9\",\"r10\",\"r11\",\"r12\",\"r13\",\"StandardCAN_FD\",\"ExtendedCAN_FD\";\n"
+        "BA_DEF_DEF_ \"VFrameFormat\" \"StandardCAN\";\n";
+    if (!fd_id.empty())
+      attributes += "BA_ \"VFrameFormat\" BO_ " + fd_id + " 14;\n";
+    writeFile(folder.path() / "fd.dbc", dbc + attributes);
+    std::string map = readFile(kConfig / "can" / (map_name + ".toml"));
+    map = changed(map, map_name == "patella" ? Change{"\"../../../drivers/can/patella.dbc\"", "\"fd.dbc\""}
+                                             : Change{"\"cia402.dbc\"", "\"fd.dbc\""});
+    for (int drive = 0; map_name != "patella" && drive < 2; ++drive)
+      map = changed(map, {"\"cia402.eds\"", "\"" + (kConfig / "can/cia402.eds").string() + "\""});
+    writeFile(folder.path() / "map.toml", map);
+    const BusNames names =
+        map_name == "patella" ? BusNames() : BusNames(std::vector<std::string>{"hip", "knee"});
+    const BusDescription bus = loadBusDescription(folder.path() / "map.toml", {}, false, names);
+    return std::array{fdMessage(bus, 0), fdMessage(bus, 1)};
+  };
+  using Found = std::array<std::string, 2>;
+  CHECK(found("", "patella") == Found{});
+  CHECK(found("128", "patella") == Found{"TorqueCommand", ""});
+  CHECK(found("304", "patella") == Found{"Emg", ""});
+  CHECK(found("2016", "patella") == Found{});  // the truth
+  CHECK(found("304", "two_buses") == Found{"", "Emg"});
 }

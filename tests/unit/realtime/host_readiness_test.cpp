@@ -197,6 +197,23 @@ TEST_CASE("the kernel tells an interface's state") {
   CHECK_FALSE(queryCanInterface("nosuchcan0").has_value());
 }
 
+TEST_CASE("a bus map with messages in CAN FD needs an interface that takes them") {
+  CanInterface interface;
+  interface.up = interface.can = true;
+  interface.kind = "can";
+  interface.txqueuelen = kLongestCanQueue;
+  const CanNeed need{.interface = "can0", .bitrate = 0, .fd_message = "Emg"};
+  const Finding classic = named(interfaceFindings(need, interface), "can_fd");
+  CHECK_FALSE(classic.ok);
+  CHECK(classic.found == "classic frames only");
+  CHECK(classic.expected == "CAN FD, for message 'Emg' of the bus map");
+  CHECK_FALSE(allIndispensableOk(interfaceFindings(need, interface)));
+  interface.fd = true;
+  CHECK(named(interfaceFindings(need, interface), "can_fd").ok);
+  interface.fd = false;
+  CHECK(allIndispensableOk(interfaceFindings({.interface = "can0"}, interface)));
+}
+
 TEST_CASE("an interface that a motor may hear, or that does not exist, is none to rehearse on") {
   CHECK_THROWS_WITH_AS(
       requireVirtual("lo"),
