@@ -144,6 +144,7 @@ void readRigModel(const TomlTable& table, const std::optional<std::filesystem::p
                   RunConfig& config) {
   config.rig_model = config.model;
   config.rig_model_path = config.model_path;
+  config.rig_model_urdfs = config.model_urdfs;
   if (model) {
     table.string("model", "");
     config.rig_model_path = *model;
@@ -153,7 +154,7 @@ void readRigModel(const TomlTable& table, const std::optional<std::filesystem::p
   if (!model && !table.has("model")) {
     return;
   }
-  config.rig_model = loadModel(config.rig_model_path);
+  config.rig_model = loadModel(config.rig_model_path, &config.rig_model_urdfs);
   if (config.rig_model.joints() != config.model.joints()) {
     const std::string problem = "a mechanism of " + std::to_string(config.rig_model.joints()) +
                                 " joints, expected " + std::to_string(config.model.joints()) +

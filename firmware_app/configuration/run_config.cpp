@@ -243,7 +243,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   requireTicks(loop, config, !command_line.duration_s);
 
   config.model_path = input(root, "model", command_line.model);
-  config.model = loadModel(config.model_path);
+  config.model = loadModel(config.model_path, &config.model_urdfs);
   config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal, busNames(config.buses));
   if (command_line.weights || root.has("weights")) {
     config.weights_path = input(root, "weights", command_line.weights);

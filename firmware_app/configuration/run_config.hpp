@@ -69,6 +69,8 @@ struct RunConfig {
   std::filesystem::path path;
   std::filesystem::path model_path;
   std::filesystem::path rig_model_path;
+  std::vector<std::filesystem::path> model_urdfs;      ///< that the model names
+  std::vector<std::filesystem::path> rig_model_urdfs;  ///< that the rig's model names
   std::filesystem::path bus_map_path;
   std::filesystem::path weights_path;    ///< empty: no network
   std::filesystem::path reference_path;  ///< empty: the configuration itself has it

@@ -84,12 +84,14 @@ Eigen::Vector3d readGravity(const TomlTable& mechanism) {
 }
 
 /// `link`: a link's table with those that it is in, for messages.
-std::vector<ChainLink> readLinks(const TomlTable& chain, const std::string& link) {
+std::vector<ChainLink> readLinks(const TomlTable& chain, const std::string& link,
+                                 std::vector<std::filesystem::path>& files) {
   if (chain.has("urdf")) {
     if (chain.has("link")) {
       throw chain.error("link", "stands beside 'urdf', which has the links; expected one of the two");
     }
-    return loadUrdfChain(chain.existing("urdf"), chain.string("base"), chain.string("tip"));
+    files.push_back(chain.existing("urdf"));
+    return loadUrdfChain(files.back(), chain.string("base"), chain.string("tip"));
   }
   std::vector<ChainLink> links;
   for (const TomlTable& table : chain.tables("link")) {
@@ -125,11 +127,11 @@ std::string linksText(const SerialChainParameters& chain, const std::string& tab
 
 }  // namespace
 
-SerialChainParameters readChain(const TomlTable& mechanism) {
-  return {.links = readLinks(mechanism, "mechanism.link"), .gravity_m_s2 = readGravity(mechanism)};
+SerialChainParameters readChain(const TomlTable& mechanism, std::vector<std::filesystem::path>& files) {
+  return {.links = readLinks(mechanism, "mechanism.link", files), .gravity_m_s2 = readGravity(mechanism)};
 }
 
-ChainGroupParameters readChainGroup(const TomlTable& mechanism) {
+ChainGroupParameters readChainGroup(const TomlTable& mechanism, std::vector<std::filesystem::path>& files) {
   for (const char* key : {"urdf", "base", "tip", "link"}) {
     if (mechanism.has(key)) {
       throw mechanism.error(key, "stands beside 'chain', expected it within a table [[mechanism.chain]]");
@@ -138,7 +140,8 @@ ChainGroupParameters readChainGroup(const TomlTable& mechanism) {
   const Eigen::Vector3d gravity_m_s2 = readGravity(mechanism);
   ChainGroupParameters group;
   for (const TomlTable& table : mechanism.tables("chain")) {
-    group.chains.push_back({.links = readLinks(table, "mechanism.chain.link"), .gravity_m_s2 = gravity_m_s2});
+    group.chains.push_back(
+        {.links = readLinks(table, "mechanism.chain.link", files), .gravity_m_s2 = gravity_m_s2});
   }
   return group;
 }

@@ -64,14 +64,14 @@ PlanarTwoLinkParameters readBaseParameters(const TomlTable& mechanism, double gr
   }
 }
 
-MechanismDescription readMechanism(const TomlTable& table) {
+MechanismDescription readMechanism(const TomlTable& table, std::vector<std::filesystem::path>& files) {
   const std::string kind =
       table.choice("kind", std::vector<std::string>{kPlanarTwoLink, kRevolute, kPrismatic, kSerialChain});
   if (kind == kSerialChain) {
     if (table.has("chain")) {
-      return readChainGroup(table);
+      return readChainGroup(table, files);
     }
-    return readChain(table);
+    return readChain(table, files);
   }
   const double gravity = number(table, boundOf("mechanism.gravity_m_s2"), 9.81);
   if (kind == kPlanarTwoLink && table.has("base_parameters")) {
@@ -196,13 +196,19 @@ std::string commentLines(std::string_view text) {
 
 }  // namespace
 
-ModelDescription loadModel(const std::filesystem::path& path) {
-  return parseModel(readFile(path), path.string());
+ModelDescription loadModel(const std::filesystem::path& path, std::vector<std::filesystem::path>* urdfs) {
+  return parseModel(readFile(path), path.string(), urdfs);
 }
 
-ModelDescription parseModel(std::string_view text, const std::string& name) {
+ModelDescription parseModel(std::string_view text, const std::string& name,
+                            std::vector<std::filesystem::path>* urdfs) {
   const TomlDocument document = TomlDocument::parse(text, name);
-  ModelDescription description{.mechanism = readMechanism(document.root().table("mechanism")), .effects = {}};
+  std::vector<std::filesystem::path> files;
+  ModelDescription description{.mechanism = readMechanism(document.root().table("mechanism"), files),
+                               .effects = {}};
+  if (urdfs != nullptr) {
+    *urdfs = files;
+  }
   for (const TomlTable& table : document.root().tables("effect")) {
     description.effects.push_back(readEffect(table, description.joints()));
   }

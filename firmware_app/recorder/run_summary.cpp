@@ -64,18 +64,24 @@ std::vector<InputFile> inputFiles(const RunConfig& config) {
       files.push_back({role, path, fileSha256(path)});
     }
   };
+  const auto addAll = [&add](const std::string& role, const std::vector<std::filesystem::path>& paths) {
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      add(role + "_" + std::to_string(i + 1), paths[i]);
+    }
+  };
   add("configuration", config.path);
   add("model", config.model_path);
+  addAll("model_urdf", config.model_urdfs);
   add("reference", config.reference_path);
   add("bus_map", config.bus_map_path);
   add("dbc", config.bus.dbc_path);
-  for (std::size_t i = 0; i < config.bus.data_sheets.size(); ++i) {
-    add("data_sheet_" + std::to_string(i + 1), config.bus.data_sheets[i]);
-  }
+  addAll("data_sheet", config.bus.data_sheets);
   add("weights", config.weights_path);
   add("faults", config.faults_path);
   if (config.backend.kind == BackendKind::kSim) {
     add("rig_model", config.rig_model_path);
+    addAll("rig_model_urdf", config.rig_model_urdfs);
+    add("rig_emg_log", config.rig.emg_log);
   }
   if (config.backend.kind == BackendKind::kReplay) {
     add("log", config.backend.target);

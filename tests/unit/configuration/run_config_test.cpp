@@ -12,6 +12,7 @@
 #include "core/model/presets.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
+#include "firmware_app/recorder/run_summary.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/model/chains.hpp"
 #include "tools/checkout/checkout.hpp"
@@ -249,6 +250,46 @@ bool says(const std::string& text, const char* part) {
 }
 
 }  // namespace
+
+TEST_CASE("URDFs of the models and the log of the rig's EMG are inputs of a run, and are found changed") {
+  const patella::test::ScratchFolder folder;
+  const auto robot = [](double mass_kg) {
+    std::string text = "<robot name=\"r\"><link name=\"base\"/>";
+    std::string before = "base";
+    for (const std::string name : {"thigh", "shank"}) {
+      text += "<link name=\"" + name + "\"><inertial><mass value=\"" + std::to_string(mass_kg) +
+              "\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+              "<joint name=\"" +
+              name + "_joint\" type=\"continuous\"><parent link=\"" + before + "\"/><child link=\"" + name +
+              "\"/><axis xyz=\"0 0 1\"/></joint>";
+      before = name;
+    }
+    return text + "</robot>";
+  };
+  const auto model = [](const std::string& urdf) {
+    return "[mechanism]\nkind = \"serial_chain\"\ngravity_m_s2 = [0, -9.81, 0]\n[[mechanism.chain]]\nurdf = "
+           "\"" +
+           urdf + "\"\nbase = \"base\"\ntip = \"shank\"\n";
+  };
+  writeFile(folder / "loop.urdf", robot(3.0));
+  writeFile(folder / "rig.urdf", robot(4.0));
+  writeFile(folder / "loop.toml", model("loop.urdf"));
+  writeFile(folder / "rig.toml", model("rig.urdf"));
+  writeFile(folder / "emg.log", "");
+  CommandLine line = shipped();
+  line.model = folder / "loop.toml";
+  line.rig_model = folder / "rig.toml";
+  RunConfig config = loadRunConfig(line);
+  config.rig.emg_log = folder / "emg.log";
+  const std::vector<InputFile> files = inputFiles(config);
+  CHECK(changedFiles(files).empty());
+  writeFile(folder / "loop.urdf", robot(3.5));
+  writeFile(folder / "rig.urdf", robot(4.5));
+  writeFile(folder / "emg.log", "(1.0) can0 130#00\n");
+  CHECK(changedFiles(files) == std::vector<std::string>{"model_urdf_1", "rig_model_urdf_1", "rig_emg_log"});
+  line.rig_model.reset();
+  CHECK(loadRunConfig(line).rig_model_urdfs.empty());  // the configuration's names none
+}
 
 TEST_CASE("EMG that assists has its electrodes on the bus") {
   CHECK(refusal("emg = 0.3", "emg = 0.3").empty());
