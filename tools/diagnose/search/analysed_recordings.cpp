@@ -19,12 +19,10 @@ DatasetOptions inMotionBand(std::span<const Recording> recordings, bool asked_pa
 // repeats too seldom for sinusoids to be told apart, or not at all.
 void askForMotionBetweenLines(Dataset& train) {
   const Column torque = train.driveTorque();
-  const Column between = torque - train.column([](const Series& series, std::size_t i) {
-    return series.asked_torque_Nm[i];
-  });
-  const Column unexplained = torque - train.column([](const Series& series, std::size_t i) {
-    return series.states[i].torque_Nm;
-  });
+  const Column between =
+      torque - train.column([](const Series& series, std::size_t i) { return series.asked_torque_Nm[i]; });
+  const Column unexplained =
+      torque - train.column([](const Series& series, std::size_t i) { return series.states[i].torque_Nm; });
   for (int joint = 0; joint < train.joints(); ++joint) {
     const double left_Nm = jointRms(train, unexplained, joint);
     if (left_Nm < late_drive::kUndisturbed * jointRms(train, torque, joint) &&
