@@ -41,7 +41,7 @@ struct Measurement {
   /// sensor period this is the step of the estimators, so that neither jitter of the loop nor of the bus
   /// enters them.
   int encoder_steps = 0;
-  int emg_steps = 0;                      ///< likewise for EMG
+  int emg_steps = 0;  ///< likewise for EMG
   /// Loop clock at which the oldest of the joints' newest encoder frames arrived.
   std::int64_t encoder_monotonic_ns = 0;
   std::int64_t encoder_wall_ns = 0;  ///< stamp of the newest one of all joints
