@@ -54,10 +54,13 @@ std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
       auto& known = refused[score.label];
       if (score.refused_because.starts_with(kSign) && score.gain > known.first &&
           score.gain > score.threshold && score.gain > kComparable * accepted) {
+        // No drive acts before its command.
+        const bool late =
+            score.label.starts_with("actuator_delay") || score.label.starts_with("actuator_lag");
         known = {score.gain,
-                 fmt::format("  refused for its sign: {} ({} would be negative; {:.0f} nats in step {})",
+                 fmt::format("  refused for its sign: {} ({} would be negative; {:.0f} nats in step {}){}",
                              effectWords(score.label), score.refused_because.substr(kSign.size()), score.gain,
-                             number + 1)};
+                             number + 1, late ? ": a torque column that comes late looks like this" : "")};
       }
     }
   }
