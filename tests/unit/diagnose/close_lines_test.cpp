@@ -1,0 +1,106 @@
+// A motion whose sinusoids lie too close to be told apart in a spectrum, as in recordings of a few periods.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tools/diagnose/diagnose.hpp"
+
+using namespace patella;
+using namespace patella::diagnose;
+
+namespace {
+
+const model::ModelDescription kArm{
+    .mechanism = model::RevoluteJointParameters{.inertia_kg_m2 = 0.17, .moment_kg_m = 0.53, .length_m = 0.45},
+    .effects = {}};
+
+/// Torque as a function of time, from this motion's.
+using Drive = std::function<double(const std::function<double(double)>& torque_Nm, double time_s, double dq)>;
+
+// An arm that is a few per cent lighter than its model, and swings in six sines.
+Recording swung(const Drive& drive) {
+  constexpr double kRate_Hz = 200.0, kDuration_s = 30.0, kLowest_Hz = 0.1;
+  constexpr double kInertia_kg_m2 = 0.16, kWeight_Nm = 0.5 * 9.81;
+  const auto motion = [](double t, int derivative) {
+    double sum = derivative == 0 ? -0.6 : 0.0;
+    for (int k = 1; k <= 6; ++k) {
+      const double w = 2.0 * std::numbers::pi * kLowest_Hz * k;
+      const double phase = 1.3 * k * k + 0.5 * std::numbers::pi * derivative;
+      sum += 0.35 / std::sqrt(k) * std::pow(w, derivative) * std::sin(w * t + phase);
+    }
+    return sum;
+  };
+  const auto torque = [&](double t) {
+    return kInertia_kg_m2 * motion(t, 2) + kWeight_Nm * std::cos(motion(t, 0));
+  };
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  Recording recording;
+  recording.name = "arm.csv";
+  recording.rate_Hz = kRate_Hz;
+  recording.joints = 1;
+  recording.torque_timing = TorqueTiming::kSampled;
+  for (int i = 0; i < static_cast<int>(kDuration_s * kRate_Hz); ++i) {
+    const double t = i / kRate_Hz;
+    recording.time_s.push_back(t);
+    recording.position_rad[0].push_back(motion(t, 0) + 1e-5 * normal(random));
+    recording.torque_Nm[0].push_back(drive(torque, t, motion(t, 1)) + 0.004 * normal(random));
+  }
+  recording.segments = {{.first = 0, .end = recording.rows()}};
+  return recording;
+}
+
+Diagnosis diagnosed(const Drive& drive) {
+  const Recording recording = swung(drive);
+  DiagnoseOptions options;
+  options.bootstrap_replicates = 299;
+  return diagnose::diagnose(std::span(&recording, 1), {}, kArm, options);
+}
+
+const EffectFinding* found(const Diagnosis& diagnosis, const std::string& kind) {
+  const auto effect = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                   [&](const EffectFinding& one) { return one.kind == kind; });
+  return effect == diagnosis.effects.end() ? nullptr : &*effect;
+}
+
+}  // namespace
+
+TEST_CASE("a drive that is late is found where the lines of its torque cannot be told apart") {
+  constexpr double kLag_s = 0.015;
+  const Diagnosis diagnosis = diagnosed([](const auto& torque, double t, double) {
+    constexpr double kStep_s = 1e-4;
+    return torque(t) + kLag_s * (torque(t + kStep_s) - torque(t - kStep_s)) / (2.0 * kStep_s);
+  });
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 1);
+  const EffectFinding* lag = found(diagnosis, "actuator_lag");
+  REQUIRE(lag != nullptr);
+  CHECK(lag->parameters.front().value == doctest::Approx(kLag_s).epsilon(0.03));
+  CHECK(diagnosis.after.heldout_rms_Nm[0] < 0.2 * diagnosis.refitted.heldout_rms_Nm[0]);
+}
+
+TEST_CASE("nothing is missing in such a motion where nothing is") {
+  CHECK(diagnosed([](const auto& torque, double t, double) { return torque(t); }).verdict ==
+        Verdict::kNothingMissing);
+}
+
+TEST_CASE("dry and viscous friction are named as such, and not as friction of two directions") {
+  const Diagnosis diagnosis = diagnosed([](const auto& torque, double t, double dq) {
+    return torque(t) + 0.3 * std::tanh(dq / 0.02) + 0.15 * dq;
+  });
+  CHECK(diagnosis.verdict == Verdict::kEffectFound);
+  REQUIRE(diagnosis.effects.size() == 2);
+  const EffectFinding* dry = found(diagnosis, "coulomb_friction");
+  const EffectFinding* viscous = found(diagnosis, "viscous_friction");
+  REQUIRE(dry != nullptr);
+  REQUIRE(viscous != nullptr);
+  CHECK(dry->parameters.front().value == doctest::Approx(0.3).epsilon(0.05));
+  CHECK(viscous->parameters.front().value == doctest::Approx(0.15).epsilon(0.1));
+}
