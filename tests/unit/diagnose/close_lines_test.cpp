@@ -21,24 +21,31 @@ const model::ModelDescription kArm{
     .mechanism = model::RevoluteJointParameters{.inertia_kg_m2 = 0.17, .moment_kg_m = 0.53, .length_m = 0.45},
     .effects = {}};
 
-/// Torque as a function of time, from this motion's.
+/// Torque that is recorded, from this motion's as a function of time.
 using Drive = std::function<double(const std::function<double(double)>& torque_Nm, double time_s, double dq)>;
 
-// An arm that is a few per cent lighter than its model, and swings in six sines.
+constexpr double kStep_s = 1e-4;
+
+double slope(const std::function<double(double)>& value, double t) {
+  return (value(t + kStep_s) - value(t - kStep_s)) / (2.0 * kStep_s);
+}
+
+// An arm that is a few per cent lighter than its model. It comes up to speed from rest, and swings in seven
+// sines of which two lie a tenth of a hertz apart.
 Recording swung(const Drive& drive) {
-  constexpr double kRate_Hz = 200.0, kDuration_s = 30.0, kLowest_Hz = 0.1;
+  constexpr double kRate_Hz = 1000.0, kDuration_s = 30.0, kLowest_Hz = 0.1, kSpeedingUp_s = 2.0;
   constexpr double kInertia_kg_m2 = 0.16, kWeight_Nm = 0.5 * 9.81;
-  const auto motion = [](double t, int derivative) {
-    double sum = derivative == 0 ? -0.6 : 0.0;
-    for (int k = 1; k <= 6; ++k) {
-      const double w = 2.0 * std::numbers::pi * kLowest_Hz * k;
-      const double phase = 1.3 * k * k + 0.5 * std::numbers::pi * derivative;
-      sum += 0.35 / std::sqrt(k) * std::pow(w, derivative) * std::sin(w * t + phase);
+  const auto angle = [](double t) {
+    double sum = 0.0;
+    for (const int k : {1, 2, 3, 5, 7, 9, 11}) {
+      sum += 0.55 * std::pow(k, -0.7) * std::sin(2.0 * std::numbers::pi * kLowest_Hz * k * t + 1.3 * k * k);
     }
-    return sum;
+    const double share = std::min(1.0, t / kSpeedingUp_s);
+    return -0.6 + share * share * (3.0 - 2.0 * share) * sum;
   };
   const auto torque = [&](double t) {
-    return kInertia_kg_m2 * motion(t, 2) + kWeight_Nm * std::cos(motion(t, 0));
+    const double ddq = (angle(t + kStep_s) - 2.0 * angle(t) + angle(t - kStep_s)) / (kStep_s * kStep_s);
+    return kInertia_kg_m2 * ddq + kWeight_Nm * std::cos(angle(t));
   };
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
@@ -50,8 +57,8 @@ Recording swung(const Drive& drive) {
   for (int i = 0; i < static_cast<int>(kDuration_s * kRate_Hz); ++i) {
     const double t = i / kRate_Hz;
     recording.time_s.push_back(t);
-    recording.position_rad[0].push_back(motion(t, 0) + 1e-5 * normal(random));
-    recording.torque_Nm[0].push_back(drive(torque, t, motion(t, 1)) + 0.004 * normal(random));
+    recording.position_rad[0].push_back(angle(t) + 1e-5 * normal(random));
+    recording.torque_Nm[0].push_back(drive(torque, t, slope(angle, t)) + 0.005 * normal(random));
   }
   recording.segments = {{.first = 0, .end = recording.rows()}};
   return recording;
@@ -74,10 +81,8 @@ const EffectFinding* found(const Diagnosis& diagnosis, const std::string& kind) 
 
 TEST_CASE("a drive that is late is found where the lines of its torque cannot be told apart") {
   constexpr double kLag_s = 0.015;
-  const Diagnosis diagnosis = diagnosed([](const auto& torque, double t, double) {
-    constexpr double kStep_s = 1e-4;
-    return torque(t) + kLag_s * (torque(t + kStep_s) - torque(t - kStep_s)) / (2.0 * kStep_s);
-  });
+  const Diagnosis diagnosis =
+      diagnosed([](const auto& torque, double t, double) { return torque(t) + kLag_s * slope(torque, t); });
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
   REQUIRE(diagnosis.effects.size() == 1);
   const EffectFinding* lag = found(diagnosis, "actuator_lag");
