@@ -12,6 +12,7 @@
 
 #include "core/types.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/urdf_elements.hpp"
 #include "firmware_app/files/wording.hpp"
 
 namespace patella::app {
@@ -52,7 +53,12 @@ urdf::ModelInterfaceSharedPtr opening(urdf::ModelInterfaceSharedPtr model) {
           }};
 }
 
-urdf::ModelInterfaceSharedPtr parse(std::string_view text, const std::string& name) {
+struct Parsed {
+  urdf::ModelInterfaceSharedPtr robot;
+  std::string errors;  // urdfdom goes on after most of them, with defaults
+};
+
+Parsed parse(std::string_view text, const std::string& name) {
   static std::mutex one_at_a_time;  // the handler is urdfdom's, not this thread's
   const std::scoped_lock lock(one_at_a_time);
   const Complaints complaints;
@@ -64,11 +70,12 @@ urdf::ModelInterfaceSharedPtr parse(std::string_view text, const std::string& na
     problem = error.what();
   }
   if (!model) {
+    checkUrdfElements(text, name, [](const std::string&, const std::string&) { return true; });
     problem += (problem.empty() ? "" : "; ") + complaints.errors();
     throw FileError(name + ": is no URDF (" + (problem.empty() ? "no XML" : problem) +
                     "), expected <robot> with links and joints that fit together");
   }
-  return opening(std::move(model));
+  return {opening(std::move(model)), complaints.errors()};
 }
 
 std::string linkNames(const urdf::ModelInterface& robot) {
@@ -179,6 +186,20 @@ ChainLink linkOf(const urdf::Link& from, const std::string& file) {
   return link;
 }
 
+/// The links and joints of `way` say what they are meant to say, and urdfdom has read all of the file.
+void checkAsWritten(std::string_view text, const std::string& name,
+                    const std::vector<urdf::LinkConstSharedPtr>& way, const std::string& errors) {
+  checkUrdfElements(text, name, [&](const std::string& element, const std::string& of) {
+    return std::ranges::any_of(way, [&](const urdf::LinkConstSharedPtr& link) {
+      return (element == "link" ? link->name : link->parent_joint->name) == of;
+    });
+  });
+  if (!errors.empty()) {
+    throw FileError(name + ": cannot be read in full (" + errors +
+                    "), expected links and joints as the URDF format has them");
+  }
+}
+
 }  // namespace
 
 std::vector<ChainLink> loadUrdfChain(const std::filesystem::path& path, const std::string& base,
@@ -188,9 +209,11 @@ std::vector<ChainLink> loadUrdfChain(const std::filesystem::path& path, const st
 
 std::vector<ChainLink> parseUrdfChain(std::string_view text, const std::string& name, const std::string& base,
                                       const std::string& tip) {
-  const urdf::ModelInterfaceSharedPtr robot = parse(text, name);
+  const Parsed parsed = parse(text, name);
+  const std::vector<urdf::LinkConstSharedPtr> way = wayTo(*parsed.robot, name, base, tip);
+  checkAsWritten(text, name, way, parsed.errors);
   model::SerialChainParameters chain;
-  for (const urdf::LinkConstSharedPtr& link : wayTo(*robot, name, base, tip)) {
+  for (const urdf::LinkConstSharedPtr& link : way) {
     chain.links.push_back(linkOf(*link, name));
   }
   try {

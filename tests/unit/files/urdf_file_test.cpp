@@ -47,6 +47,8 @@ std::string leg(const std::string& knee = joint("knee", "revolute", "base", "sha
                joint("ankle", "fixed", "shank", "foot") + joint("branch", "fixed", "base", "horn"));
 }
 
+const std::string kNothing = "(nothing was thrown)";
+
 std::string errorOf(const std::string& text, const std::string& base = "base",
                     const std::string& tip = "foot") {
   return messageOf<FileError>([&] { parseUrdfChain(text, "r.urdf", base, tip); });
@@ -128,6 +130,65 @@ TEST_CASE("joints that a chain cannot have are refused by name and kind") {
   }
   contains(errorOf(robot(snake), "base", "l9"), "9 joints that are not fixed, expected 1 to 8");
   CHECK(parseUrdfChain(robot(snake), "r.urdf", "base", "l8").size() == 8);
+}
+
+TEST_CASE("what is no number in full is refused with link or joint, value and expectation") {
+  const auto of_shank = [](const std::string& body) {
+    return errorOf(leg(joint("knee", "revolute", "base", "shank"), link("shank", body)));
+  };
+  contains(of_shank(inertial("8,393", "0.1")),
+           "r.urdf: link 'shank': <inertial>: <mass>: value = '8,393', expected a number");
+  contains(of_shank(inertial("abc", "0.1")), "value = 'abc', expected a number");
+  contains(of_shank(inertial("inf", "0.1")), "value = 'inf', expected a number");
+  contains(of_shank(inertial("3", "x")), "<inertia>: ixx = 'x', expected a number");
+  contains(of_shank(inertial("3", "0.1", "<origin xyz=\"0 0\"/>")),
+           "<origin>: xyz = '0 0', expected 3 numbers with spaces between");
+  contains(of_shank(inertial("3", "0.1", "<origin xyz=\"0 0 1m\"/>")), "xyz = '0 0 1m'");
+  const auto of_knee = [](const std::string& more) {
+    return errorOf(leg(joint("knee", "revolute", "base", "shank", more)));
+  };
+  contains(of_knee("<axis xyz=\"0 0 z\"/>"),
+           "r.urdf: joint 'knee': <axis>: xyz = '0 0 z', expected 3 numbers");
+  contains(of_knee("<axis xyz=\"0,0,1\"/>"), "xyz = '0,0,1', expected 3 numbers");
+  CHECK(errorOf(leg(joint("knee", "revolute", "base", "shank", "<axis xyz=\" 0 +0 1e0 \"/>"))) == kNothing);
+}
+
+TEST_CASE("an element or attribute that a chain would miss is refused by its name") {
+  const auto of_shank = [](const std::string& body) {
+    return errorOf(leg(joint("knee", "revolute", "base", "shank"), link("shank", body)));
+  };
+  contains(
+      of_shank("<inertia><mass value=\"3\"/></inertia>"),
+      "r.urdf: link 'shank': element <inertia>, expected one of 'inertial', 'visual', 'collision', did you "
+      "mean 'inertial'?");
+  contains(
+      of_shank("<inertial><mas value=\"3\"/></inertial>"),
+      "link 'shank': <inertial>: element <mas>, expected one of 'origin', 'mass', 'inertia', did you mean "
+      "'mass'?");
+  contains(of_shank("<inertial><mass value=\"3\"/></inertial>"), "<inertial>: no <inertia>, expected one");
+  contains(of_shank("<inertial><mass weight=\"3\"/><inertia/></inertial>"), "<mass>: attribute 'weight'");
+  contains(of_shank("<inertial><mass value=\"3\"/><inertia ixx=\"1\"/></inertial>"),
+           "<inertia> has no attribute 'ixy', expected a number");
+  contains(of_shank(inertial("3", "0.1") + inertial("4", "0.1")),
+           "<inertial> stands 2 times, expected it once");
+  contains(errorOf(leg(joint("knee", "revolute", "base", "shank", "<axi xyz=\"0 0 1\"/>"))),
+           "r.urdf: joint 'knee': element <axi>, expected one of 'parent'");
+  contains(errorOf(leg(joint("knee", "revolute", "base", "shank", "<axis xzy=\"0 0 1\"/>"))),
+           "joint 'knee': <axis>: attribute 'xzy', expected one of 'xyz', did you mean 'xyz'?");
+}
+
+TEST_CASE("what urdfdom complains of is refused, and other programs' elements and links aside are not") {
+  contains(errorOf(leg(joint("knee", "revolute", "base", "shank"),
+                       link("shank", inertial("3", "0.1") +
+                                         "<visual><geometry><box size=\"1\"/></geometry></visual>"))),
+           "r.urdf: cannot be read in full (");
+  CHECK(errorOf(leg(joint("knee", "revolute", "base", "shank",
+                          "<axis xyz=\"0 0 1\"/><gazebo><kp>1</kp></gazebo><drake:gear_ratio value=\"3\"/>"),
+                    link("shank", inertial("3", "0.1") + "<contact><stiffness value=\"1\"/></contact>"))) ==
+        kNothing);
+  CHECK(errorOf(robot(link("base") + link("shank", inertial("3", "0.1")) + link("horn", "<camera/>") +
+                      joint("knee", "revolute", "base", "shank") + joint("branch", "fixed", "base", "horn")),
+                "base", "shank") == kNothing);
 }
 
 TEST_CASE("links that no body could be are refused where a joint moves them, and taken where none does") {
