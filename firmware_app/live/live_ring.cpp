@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <new>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,6 +26,9 @@ constexpr std::uint64_t kMagic = 0x31455649'4C544150;  // "PATLIVE1"
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kWord = sizeof(std::uint64_t);
 constexpr std::size_t kWords = kRingBytes / kWord;
+/// Where Linux shows what shm_open(3) names.
+const std::string kSharedMemory = "/dev/shm";
+const std::string kNameStart = "/patella-";
 constexpr std::size_t kHeadWords = 2;  // channel and length, wall time
 
 using Word = std::atomic<std::uint64_t>;
@@ -31,6 +36,10 @@ static_assert(Word::is_always_lock_free && sizeof(Word) == kWord, "words are sha
 
 std::size_t wordsOf(std::size_t bytes) {
   return kHeadWords + (bytes + kWord - 1) / kWord;
+}
+
+bool isGone(int process) {
+  return kill(process, 0) != 0 && errno == ESRCH;
 }
 
 }  // namespace
@@ -52,6 +61,53 @@ struct RingLayout {
 struct RingWriter::Memory : RingLayout {};
 struct RingReader::Memory : RingLayout {};
 
+namespace {
+
+/// How the memory of every version begins.
+struct Head {
+  std::uint64_t magic;
+  std::uint32_t version;
+  std::int32_t writer;
+};
+static_assert(offsetof(RingLayout, version) == offsetof(Head, version) &&
+              offsetof(RingLayout, writer) == offsetof(Head, writer));
+
+/// The number alone does not tell of a writer in another container, whose lock does. The magic comes after
+/// the lock, so that a ring that is being made is none of a dead run.
+bool isOfADeadRun(int file) {
+  Head head{};
+  return pread(file, &head, sizeof(head), 0) == static_cast<ssize_t>(sizeof(head)) && head.magic == kMagic &&
+         head.writer > 0 && isGone(head.writer) && flock(file, LOCK_EX | LOCK_NB) == 0;
+}
+
+/// A new run may have taken the name meanwhile.
+bool isStillNamed(int file, const std::string& name) {
+  struct stat opened {};
+  struct stat named {};
+  return fstat(file, &opened) == 0 && stat((kSharedMemory + name).c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+void removeLeftRings() {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(kSharedMemory, none)) {
+    const std::string name = "/" + entry.path().filename().string();
+    if (!name.starts_with(kNameStart)) {
+      continue;
+    }
+    const int file = shm_open(name.c_str(), O_RDONLY | O_CLOEXEC, 0);
+    if (file < 0) {
+      continue;  // another user's
+    }
+    if (isOfADeadRun(file) && isStillNamed(file, name)) {
+      shm_unlink(name.c_str());
+    }
+    close(file);
+  }
+}
+
 std::string ringName(const std::filesystem::path& run_folder) {
   // FNV-1a: names need to differ, not to hide.
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -59,8 +115,8 @@ std::string ringName(const std::filesystem::path& run_folder) {
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   }
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "/patella-%016llx", static_cast<unsigned long long>(hash));
-  return text.data();
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return kNameStart + std::string(text.data());
 }
 
 RingWriter::RingWriter(const std::string& name, std::string_view description) : name_(name) {
@@ -69,20 +125,21 @@ RingWriter::RingWriter(const std::string& name, std::string_view description) : 
                              " bytes, expected at most " + std::to_string(kDescriptionBytes));
   }
   shm_unlink(name.c_str());
-  const int file = shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  file_ = shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
   const auto fail = [&](int error) {
     throw std::runtime_error("shared memory " + name + ": " + std::generic_category().message(error));
   };
-  if (file < 0) {
+  if (file_ < 0) {
     fail(errno);
   }
+  flock(file_, LOCK_EX);
   // All of it now: a full /dev/shm is told of here, and not by a signal later.
-  const int no_room = posix_fallocate(file, 0, sizeof(Memory));
+  const int no_room = posix_fallocate(file_, 0, sizeof(Memory));
   void* at =
-      no_room == 0 ? mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
+      no_room == 0 ? mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0) : MAP_FAILED;
   const int error = no_room != 0 ? no_room : errno;
-  close(file);
   if (at == MAP_FAILED) {
+    close(file_);
     shm_unlink(name.c_str());
     fail(error);
   }
@@ -98,6 +155,7 @@ RingWriter::~RingWriter() {
   memory_->ended.store(1, std::memory_order_release);
   shm_unlink(name_.c_str());
   munmap(memory_, sizeof(Memory));
+  close(file_);
 }
 
 void RingWriter::write(std::uint16_t channel, std::uint64_t wall_ns, std::string_view data) noexcept {
@@ -192,7 +250,7 @@ int RingReader::writer() const noexcept {
 }
 
 bool RingReader::ended() const noexcept {
-  return memory_->ended.load(std::memory_order_acquire) != 0 || (kill(writer(), 0) != 0 && errno == ESRCH);
+  return memory_->ended.load(std::memory_order_acquire) != 0 || isGone(writer());
 }
 
 }  // namespace patella::live

@@ -29,6 +29,10 @@ struct LiveMessage {
 /// Name of the shared memory of a run that is recorded into a folder, as shm_open(3) takes it.
 std::string ringName(const std::filesystem::path& run_folder);
 
+/// Takes away what runs that died left in shared memory: each is a few megabytes until the next start of the
+/// machine. What a living process writes, or another user owns, stays.
+void removeLeftRings();
+
 class RingWriter {
  public:
   /// Makes the shared memory, readable by the same user only, in place of what a run before left under the
@@ -46,6 +50,7 @@ class RingWriter {
  private:
   struct Memory;
   std::string name_;
+  int file_ = -1;  // locked as long as the writer lives
   Memory* memory_ = nullptr;
 };
 

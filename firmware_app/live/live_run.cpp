@@ -18,11 +18,16 @@ std::string describe(const std::vector<formats::ChannelDescription>& channels) {
   return nlohmann::json{{"channels", list}}.dump();
 }
 
+std::string nameAfterTidying(const std::filesystem::path& folder) {
+  removeLeftRings();
+  return ringName(folder);
+}
+
 }  // namespace
 
 LiveRun::LiveRun(const std::filesystem::path& folder, const std::vector<std::string>& columns)
     : messages_(columns),
-      ring_(ringName(folder), describe(messages_.channels())),
+      ring_(nameAfterTidying(folder), describe(messages_.channels())),
       sink_([this](formats::RunChannel channel, const formats::MessageTime& time, std::string_view message) {
         ring_.write(static_cast<std::uint16_t>(channel), time.wall_ns, message);
       }) {}

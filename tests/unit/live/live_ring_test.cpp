@@ -10,6 +10,10 @@
 #include <thread>
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "firmware_app/live/live_run.hpp"
@@ -54,6 +58,42 @@ TEST_CASE("a reader that keeps up gets every message as it was, beyond many turn
   }
   CHECK_FALSE(reader.next(message));
   CHECK(reader.overruns() == 0);
+}
+
+TEST_CASE("rings of runs that died go, those of living runs stay") {
+  const std::string dead = ownName("dead");
+  const std::string alive = ownName("alive");
+  const pid_t run = fork();
+  if (run == 0) {
+    const RingWriter writer(dead, "");
+    _exit(0);  // as a run that is killed: nothing takes the name away
+  }
+  waitpid(run, nullptr, 0);
+  const RingWriter writer(alive, "");
+  const auto there = [](const std::string& name) { return std::filesystem::exists("/dev/shm" + name); };
+  CHECK(there(dead));
+  removeLeftRings();
+  CHECK_FALSE(there(dead));
+  CHECK(there(alive));
+  CHECK_NOTHROW(RingReader{alive});
+}
+
+TEST_CASE("a ring whose lock is held stays, whatever the number of its writer says") {
+  const std::string name = ownName("other-container");
+  const pid_t run = fork();
+  if (run == 0) {
+    const RingWriter writer(name, "");
+    _exit(0);
+  }
+  waitpid(run, nullptr, 0);
+  const int file = shm_open(name.c_str(), O_RDONLY, 0);
+  REQUIRE(file >= 0);
+  CHECK(flock(file, LOCK_EX) == 0);
+  removeLeftRings();
+  CHECK_NOTHROW(RingReader{name});
+  close(file);
+  removeLeftRings();
+  CHECK_THROWS_AS(RingReader{name}, std::runtime_error);
 }
 
 TEST_CASE("a reader that is too late goes on with what comes next, and never sees a torn message") {
