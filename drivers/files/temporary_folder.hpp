@@ -7,18 +7,22 @@
 #include <string>
 #include <system_error>
 
+#include "drivers/files/interruption.hpp"
+
 namespace patella::files {
 
-/// Removed with everything in it when the object goes.
+/// Removed with everything in it when the object goes, or the program is interrupted.
 class TemporaryFolder {
  public:
   /// Where the system keeps what is temporary. Throws std::runtime_error naming what cannot be created.
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "patella-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error(name + ": cannot be created");
-    }
-    path_ = name;
+    unkept_.create([this] {
+      std::string name = (std::filesystem::temp_directory_path() / "patella-XXXXXX").string();
+      if (mkdtemp(name.data()) == nullptr) {
+        throw std::runtime_error(name + ": cannot be created");
+      }
+      return path_ = name;
+    });
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -31,6 +35,7 @@ class TemporaryFolder {
   const std::filesystem::path& path() const noexcept { return path_; }
 
  private:
+  UnkeptPath unkept_;
   std::filesystem::path path_;
 };
 

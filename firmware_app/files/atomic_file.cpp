@@ -32,14 +32,17 @@ AtomicFile::AtomicFile(const std::filesystem::path& target) : target_(target) {
     target_ = std::filesystem::canonical(target_, ignored);
   }
   static std::atomic<unsigned> serial{0};
-  do {
-    temporary_ = target_;
-    temporary_ += ".partial-" + std::to_string(getpid()) + "-" + std::to_string(serial++);
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (descriptor_ < 0 && errno == EEXIST);
-  if (descriptor_ < 0) {
-    fail("cannot be created");
-  }
+  unkept_.create([this] {
+    do {
+      temporary_ = target_;
+      temporary_ += ".partial-" + std::to_string(getpid()) + "-" + std::to_string(serial++);
+      descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (descriptor_ < 0 && errno == EEXIST);
+    if (descriptor_ < 0) {
+      fail("cannot be created");
+    }
+    return temporary_;
+  });
   buffer_.reserve(kBufferBytes);
 }
 

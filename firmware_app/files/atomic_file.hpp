@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "drivers/files/interruption.hpp"
 #include "drivers/files/regular_file.hpp"
 #include "firmware_app/files/file_error.hpp"
 
@@ -33,6 +34,7 @@ class AtomicFile {
 
   std::filesystem::path target_;
   std::filesystem::path temporary_;
+  files::UnkeptPath unkept_;
   std::string buffer_;
   int descriptor_ = -1;
 };

@@ -90,11 +90,14 @@ class BdfFile {
  public:
   BdfFile(const std::filesystem::path& target, int signals)
       : target_(target), partial_(target.string() + ".partial") {
-    handle_ = edfopen_file_writeonly(partial_.c_str(), EDFLIB_FILETYPE_BDFPLUS, signals);
-    if (handle_ < 0) {
-      throw app::FileError(target_.string() +
-                           ": cannot be created: " + std::generic_category().message(errno));
-    }
+    unkept_.create([&] {
+      handle_ = edfopen_file_writeonly(partial_.c_str(), EDFLIB_FILETYPE_BDFPLUS, signals);
+      if (handle_ < 0) {
+        throw app::FileError(target_.string() +
+                             ": cannot be created: " + std::generic_category().message(errno));
+      }
+      return partial_;
+    });
   }
   ~BdfFile() {
     if (handle_ >= 0) {
@@ -120,6 +123,7 @@ class BdfFile {
  private:
   std::filesystem::path target_;
   std::filesystem::path partial_;
+  files::UnkeptPath unkept_;
   int handle_ = -1;
 };
 

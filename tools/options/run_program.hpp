@@ -7,10 +7,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include "drivers/files/interruption.hpp"
+
 namespace patella::options {
 
 /// Parses the arguments, then runs the program. Returns the exit status: 0 after the work, help or a version;
-/// 1 after an error, which is said on stderr behind the program's name.
+/// 1 after an error, which is said on stderr behind the program's name. Interrupted, it leaves nothing behind
+/// that nobody keeps.
 inline int runProgram(CLI::App& app, int argc, char** argv, const std::function<void()>& work) {
   try {
     app.parse(argc, argv);
@@ -19,6 +22,7 @@ inline int runProgram(CLI::App& app, int argc, char** argv, const std::function<
     return app.exit(error) == 0 ? 0 : 1;
   }
   try {
+    const files::CleanEnd clean_end;
     work();
   } catch (const std::exception& error) {
     std::cerr << app.get_name() << ": " << error.what() << "\n";

@@ -11,12 +11,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "drivers/files/interruption.hpp"
+
 namespace patella::process {
 namespace {
 
 constexpr int kCannotStart = 127;  // as shells have it
 
 void redirect(int descriptor, const std::filesystem::path& path) {
+  if (path.empty()) {
+    return;
+  }
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
   dup2(file, descriptor);
 }
@@ -34,7 +39,7 @@ pid_t start(const std::vector<std::string>& words, const Streams& streams,
     arguments.push_back(const_cast<char*>(word.c_str()));
   }
   arguments.push_back(nullptr);
-  const pid_t pid = fork();
+  const pid_t pid = files::startHelper(fork);
   if (pid < 0) {
     throw std::system_error(errno, std::generic_category(), "cannot start " + words[0]);
   }
@@ -59,8 +64,10 @@ pid_t start(const std::vector<std::string>& words, const Streams& streams,
 Ending wait(pid_t pid) {
   int status = 0;
   struct rusage usage {};
-  while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {
-  }
+  files::collectHelper(pid, [&] {
+    while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {
+    }
+  });
   return {.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
           .signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
           .peak_MB = 1e-3 * static_cast<double>(usage.ru_maxrss)};

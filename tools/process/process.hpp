@@ -10,7 +10,8 @@
 
 namespace patella::process {
 
-/// Where a program's output goes, in place of what the files held; one file may take both.
+/// Where a program's output goes, in place of what the files held; one file may take both. Without a name it
+/// goes where this program's goes.
 struct Streams {
   std::filesystem::path output;
   std::filesystem::path errors = output;
@@ -24,7 +25,8 @@ struct Ending {
 
 /// Starts a program, which is looked for in PATH unless its name has a slash. `prepare` is called in the new
 /// process, right before the program takes its place; one that cannot be started ends with status 127 and a
-/// line among its errors. Throws std::system_error where there is no room for another process.
+/// line among its errors. It is ended where this program is interrupted. Throws std::system_error where there
+/// is no room for another process.
 pid_t start(const std::vector<std::string>& words, const Streams& streams,
             const std::function<void()>& prepare = {});
 

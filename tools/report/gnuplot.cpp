@@ -8,11 +8,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <sys/wait.h>
-
 #include "drivers/files/temporary_folder.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/wording.hpp"
+#include "tools/process/process.hpp"
 #include "tools/report/palette.hpp"
 
 namespace patella::report {
@@ -24,18 +23,16 @@ constexpr int kFigureHeight = 300;
 constexpr int kFigureWidth = 760;
 constexpr int kWideWidth = 1540;
 
-void run(const std::string& script) {
-  FILE* gnuplot = popen("gnuplot -", "w");
-  if (gnuplot == nullptr) {
-    throw std::runtime_error("gnuplot cannot be started");
-  }
-  const bool written = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  const int status = pclose(gnuplot);
+/// Draws into `folder`, which takes the script, too.
+void run(const std::string& script, const files::TemporaryFolder& folder) {
+  const std::string file = (folder / "script.gnuplot").string();
+  app::writeFile(file, script);
+  const process::Ending ending = process::wait(process::start({"gnuplot", file}, {}));
   constexpr int kCommandNotFound = 127;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kCommandNotFound) {
+  if (ending.exit_status == kCommandNotFound) {
     throw std::runtime_error("gnuplot is not installed (Debian package gnuplot-nox)");
   }
-  if (!written || status != 0) {
+  if (ending.exit_status != 0) {
     throw std::runtime_error("gnuplot failed; its own message stands above");
   }
 }
@@ -286,7 +283,7 @@ std::vector<std::string> drawSvg(std::span<const Figure> figures) {
     writeFigure(script, figures[i], name + "_");
     script << "unset output\n";
   }
-  run(script.str());
+  run(script.str(), folder);
   std::vector<std::string> documents;
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const std::string text = app::readFile(folder / ("figure" + std::to_string(i + 1)), files::kResultFile);
@@ -334,7 +331,7 @@ void drawPng(std::span<const Figure> figures, const std::string& title, const st
     script << body.str();
   }
   script << "unset multiplot\nunset output\n";
-  run(script.str());
+  run(script.str(), folder);
   app::writeFile(path, app::readFile(picture, files::kResultFile));
 }
 

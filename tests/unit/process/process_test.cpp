@@ -1,20 +1,27 @@
 #include "tools/process/process.hpp"
 
 #include <array>
+#include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include "drivers/files/interruption.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/fresh_signals.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 using namespace patella;
 using patella::test::messageOf;
 using patella::test::ScratchFolder;
+using patella::test::useFreshSignals;
 
 namespace {
 
@@ -90,4 +97,36 @@ TEST_CASE("a background program ends with its children when the object goes") {
   char byte = 0;
   CHECK(::read(ends[0], &byte, 1) == 0);
   close(ends[0]);
+}
+
+TEST_CASE("a program that is interrupted ends what it has started, and leaves no file that nobody keeps") {
+  const ScratchFolder folder;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const pid_t program = fork();
+    if (program == 0) {
+      useFreshSignals(SIGTERM);
+      const files::CleanEnd clean_end;
+      const files::TemporaryFolder unkept;
+      app::AtomicFile never_whole(folder / "page.html");
+      const pid_t helper = process::start({"sleep", "1000"}, {});
+      std::ofstream(unkept / "picture") << "half";
+      std::ofstream(folder / "said.new") << unkept.path().string() << " " << helper;
+      std::filesystem::rename(folder / "said.new", folder / "said");
+      while (true) {
+        pause();  // returns with every signal that is handled
+      }
+    }
+    while (!std::filesystem::exists(folder / "said")) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::string unkept;
+    pid_t helper = 0;
+    std::ifstream(folder / "said") >> unkept >> helper;
+    std::filesystem::remove(folder / "said");
+    kill(program, signal);
+    CHECK(process::wait(program).signal == signal);
+    CHECK_FALSE(std::filesystem::exists(unkept));
+    CHECK(folder.entries() == 0);
+    CHECK_FALSE(std::filesystem::exists("/proc/" + std::to_string(helper) + "/exe"));
+  }
 }
