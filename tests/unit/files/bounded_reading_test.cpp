@@ -172,7 +172,11 @@ TEST_CASE("what nobody asked for is told up to a number") {
 
 TEST_CASE("JSON is refused where it is damaged or nested too deeply") {
   CHECK(parseJson("{\"a\": [1, 2]}", "x.json")["a"][1] == 2);
-  CHECK(messageOf<FileError>([] { parseJson("{\"a\": ", "x.json"); }).find("x.json: ") == 0);
+  CHECK(messageOf<FileError>([] { parseJson("{\n\"a\": 1", "x.json"); }) ==
+        "x.json:2: ends too early, as a file that was cut off, expected JSON");
+  CHECK(messageOf<FileError>([] { parseJson("{\n\"a\" 1}", "x.json"); }) ==
+        "x.json:2: is damaged, expected JSON");
+  CHECK(messageOf<FileError>([] { parseJson("\n", "x.json"); }) == "x.json:2: empty, expected JSON");
   CHECK(messageOf<FileError>([] { parseJson(repeated("[", 100'000), "x.json"); }) ==
         "x.json: nested deeper than the 16 levels expected");
   CHECK(messageOf<FileError>([] { loadJson("/dev/zero"); }) ==
