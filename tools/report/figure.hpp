@@ -62,6 +62,7 @@ struct Histogram {
   std::vector<double> centre;
   std::vector<double> count;
   double width = 1.0;
+  bool open_ended = false;  ///< the last bar holds what is above it, too
 };
 
 struct Figure {

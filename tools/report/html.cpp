@@ -127,6 +127,23 @@ void addTables(const std::string& name, const json& node, std::string& page) {
   }
 }
 
+/// Says what the shades mean that are there.
+std::string shadeLegend(std::span<const Figure> figures) {
+  constexpr std::pair<const char*, const char*> kMeanings[] = {
+      {colour::kLimitShade, "torque held back by a limit"}, {colour::kFaultShade, "fault"}};
+  std::string entries;
+  for (const auto& [colour, meaning] : kMeanings) {
+    const bool occurs = std::any_of(figures.begin(), figures.end(), [&](const Figure& figure) {
+      return std::any_of(figure.shades.begin(), figure.shades.end(),
+                         [&](const Shade& shade) { return shade.colour == colour; });
+    });
+    if (occurs) {
+      entries += std::string("<span style=\"background:") + colour + "\">" + meaning + "</span>";
+    }
+  }
+  return entries.empty() ? entries : "<p class=\"legend\">" + entries + "</p>\n";
+}
+
 }  // namespace
 
 std::string escaped(std::string_view text) {
@@ -190,13 +207,7 @@ std::string pageAround(const std::string& title, const std::string& body) {
 std::string reportPage(const std::string& title, std::span<const Figure> figures,
                        std::span<const std::string> pictures, const json& summary) {
   std::string body = "<h1>" + escaped(title) + "</h1>\n";
-  const bool shaded = std::any_of(figures.begin(), figures.end(),
-                                  [](const Figure& figure) { return !figure.shades.empty(); });
-  if (shaded) {
-    body += std::string("<p class=\"legend\"><span style=\"background:") + colour::kLimitShade +
-            "\">torque held back by a limit</span><span style=\"background:" + colour::kFaultShade +
-            "\">fault</span></p>\n";
-  }
+  body += shadeLegend(figures);
   body += figureSections(figures, pictures);
   if (!summary.empty()) {
     body += "<h2>Summary</h2>\n<div class=\"tables\">\n";

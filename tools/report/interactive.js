@@ -123,8 +123,12 @@
         const first = Math.max(0, lowerBound(series.x, this.range[0]) - 1);
         return series.y.slice(first, lowerBound(series.x, this.range[1]) + 1);
       });
-      const [low, high] = extent(seen.filter((value) => value !== null && (value > 0 || !logarithmic)));
+      let [low, high] = extent(seen.filter((value) => value !== null && (value > 0 || !logarithmic)));
       if (logarithmic) return [low / 1.2, high * 1.2];
+      // A limit far away is worth less than the shape of the curve.
+      const reach = 2 * (high - low);
+      const near = this.data.levels.map((level) => level.value).filter((value) => value > low - reach && value < high + reach);
+      [low, high] = extent([low, high, ...near]);
       const air = Math.max(0.06 * (high - low), 1e-9 + 1e-3 * Math.max(Math.abs(low), Math.abs(high)));
       return [low - air, high + air];
     }
@@ -149,6 +153,7 @@
         axes.append(svg("text", { class: "y tick", x: MARGIN.left - 6, y: at + 4 }, shortText(value)));
       }
       for (const level of this.data.levels) {
+        if (level.value < this.y.range[0] || level.value > this.y.range[1]) continue;
         const at = this.y.pixel(level.value);
         plot.append(svg("path", { class: "level", d: `M${MARGIN.left} ${at}H${this.width}` }));
         plot.append(svg("text", { class: "level", x: right - 4, y: Math.max(at - 4, MARGIN.top + 12) }, level.label));

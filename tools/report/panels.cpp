@@ -326,26 +326,43 @@ void addTimeline(const Curves& curves, std::vector<Figure>& figures) {
   figures.push_back(std::move(figure));
 }
 
-void addTiming(const Curves& curves, const std::string& name, const std::string& title,
+/// A column of durations, and what the summary has of the same ones.
+struct Timing {
+  const char* column;
+  const char* key;
+  const char* title;
+};
+
+/// As the loop printed them at the end of the run, where its summary is there.
+std::string quantilesText(std::span<const double> values, const nlohmann::json& summary, const char* key) {
+  const nlohmann::json* said = findKey(summary, key);
+  const auto number = [&](const char* name, double share) {
+    const bool there =
+        said != nullptr && said->is_object() && said->contains(name) && (*said)[name].is_number();
+    return there ? (*said)[name].get<double>() : percentile(values, share);
+  };
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), " (p50 %.1f, p99.9 %.1f, max %.1f µs)", number("p50_us", 0.5),
+                number("p99_9_us", 0.999), number("max_us", 1.0));
+  return text.data();
+}
+
+void addTiming(const Curves& curves, const nlohmann::json& summary, const Timing& timing,
                std::vector<Figure>& figures) {
-  if (!curves.has(name)) {
+  if (!curves.has(timing.column)) {
     return;
   }
-  const auto values = curves.column(name);
+  const auto values = curves.column(timing.column);
   if (!(percentile(values, 1.0) > 0.0)) {
     return;  // virtual time: nothing takes any
   }
   Figure figure;
   figure.section = "Timing";
-  figure.title = title;
-  figure.x_label = "µs";
-  figure.y_label = "ticks";
   constexpr std::size_t kHistogramBins = 80;
   figure.histogram = histogramOf(values, kHistogramBins);
-  std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), " (median %.3g, 99.9 %% %.3g, max %.3g µs)",
-                percentile(values, 0.5), percentile(values, 0.999), percentile(values, 1.0));
-  figure.title += text.data();
+  figure.title = timing.title + quantilesText(values, summary, timing.key);
+  figure.x_label = figure.histogram->open_ended ? "µs (the last bar holds all above)" : "µs";
+  figure.y_label = "ticks";
   figures.push_back(std::move(figure));
 }
 
@@ -374,9 +391,11 @@ std::vector<Figure> makePanels(const app::CsvTable& ticks, const nlohmann::json&
     }
   }
   addTimeline(curves, figures);
-  addTiming(curves, "wakeup_us", "Wake-up latency", figures);
-  addTiming(curves, "execution_us", "Execution", figures);
-  addTiming(curves, "latency_us", "Sensor to torque command", figures);
+  for (const Timing& timing : {Timing{"wakeup_us", "wakeup_latency", "Wake-up latency"},
+                               Timing{"execution_us", "execution", "Execution"},
+                               Timing{"latency_us", "sensor_to_torque", "Sensor to torque command"}}) {
+    addTiming(curves, summary, timing, figures);
+  }
   std::erase_if(figures, [](const Figure& figure) {
     return figure.series.empty() && figure.bars.empty() && !figure.histogram;
   });

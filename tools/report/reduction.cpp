@@ -82,6 +82,7 @@ Histogram histogramOf(std::span<const double> values, std::size_t bins) {
   for (const double value : numbers) {
     const auto bin = static_cast<std::size_t>((value - low) / histogram.width);
     histogram.count[std::min(bin, count - 1)] += 1.0;
+    histogram.open_ended = histogram.open_ended || bin >= count;
   }
   return histogram;
 }

@@ -48,6 +48,26 @@ TEST_CASE("a page holds every figure and every number of the summary, and nothin
   CHECK(page.find("<leg") == std::string::npos);
 }
 
+TEST_CASE("the page explains the shades that its figures have, and no others") {
+  const auto pageOf = [](const char* rows) {
+    const auto figures =
+        makePanels(app::CsvTable::parse("t_s,q1_rad,limits,faults\n" + std::string(rows), "ticks.csv"),
+                   nlohmann::json());
+    const std::vector<std::string> pictures(figures.size());
+    return reportPage("Run 7", figures, pictures, nlohmann::json::object());
+  };
+  const auto holds = [](const std::string& page, const char* words) {
+    return page.find(words) != std::string::npos;
+  };
+  const std::string sound = pageOf("0,1,0,0\n1,2,0,0\n");
+  CHECK_FALSE(holds(sound, "torque held back"));
+  CHECK_FALSE(holds(sound, ">fault<"));
+  const std::string limited = pageOf("0,1,0,0\n1,2,4,0\n2,2,0,0\n");
+  CHECK(holds(limited, "torque held back by a limit"));
+  CHECK_FALSE(holds(limited, ">fault<"));
+  CHECK(holds(pageOf("0,1,0,0\n1,2,0,1\n2,2,0,1\n"), ">fault<"));
+}
+
 TEST_CASE("dots, error bars, ranked bars with marks and words, logarithmic axes") {
   Figure scatter;
   scatter.title = "Scatter";

@@ -99,6 +99,22 @@ TEST_CASE("a limit far from the curve is not drawn, one near it is") {
   CHECK_FALSE(drawn(500.0));
 }
 
+TEST_CASE("a histogram's title says what the summary says in plain numbers, its axis where the bars end") {
+  std::string csv = "t_s,wakeup_us\n";
+  for (int i = 0; i < 20'000; ++i) {
+    csv += std::to_string(i) + "," + std::to_string(i % 50) + "\n";
+  }
+  const auto figures = panelsOf(csv + "20000,12700\n");
+  const Figure* timing = find(figures, "Wake-up latency");
+  REQUIRE(timing != nullptr);
+  CHECK(timing->title == "Wake-up latency (p50 25.0, p99.9 49.0, max 12700.0 µs)");
+  CHECK(timing->x_label == "µs (the last bar holds all above)");
+  const auto said = panelsOf(
+      csv, {{"timing", {{"wakeup_latency", {{"p50_us", 24.5}, {"p99_9_us", 49.7}, {"max_us", 1270.04}}}}}});
+  CHECK(find(said, "Wake-up latency")->title == "Wake-up latency (p50 24.5, p99.9 49.7, max 1270.0 µs)");
+  CHECK(find(said, "Wake-up latency")->x_label == "µs");
+}
+
 TEST_CASE("times that are all zero, as in virtual time, make no histogram") {
   CHECK(find(panelsOf("t_s,wakeup_us\n0,0\n1,0\n"), "Wake-up latency") == nullptr);
   const auto figures = panelsOf("t_s,wakeup_us\n0,3\n1,4\n");
