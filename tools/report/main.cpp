@@ -13,6 +13,7 @@
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
 #include "tools/report/panels.hpp"
+#include "tools/report/summary_values.hpp"
 
 namespace {
 
@@ -40,6 +41,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   return patella::options::runProgram(arguments, argc, argv, [&] {
     const auto ticks = patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true});
     const nlohmann::json summary = loadSummary(run / "summary.json");
+    if (const std::string missing = patella::report::missingTicks(ticks.rows(), summary); !missing.empty()) {
+      std::cerr << "patella-report: " << (run / "ticks.csv").string() << ": " << missing << "\n";
+    }
     const auto figures = patella::report::makePanels(ticks, summary);
     const std::string title = "Run " + std::filesystem::canonical(run).filename().string();
     page = page.empty() ? run / "report.html" : page;

@@ -12,6 +12,7 @@
 #include "core/types.hpp"
 #include "tools/report/palette.hpp"
 #include "tools/report/reduction.hpp"
+#include "tools/report/summary_values.hpp"
 
 namespace patella::report {
 namespace {
@@ -90,23 +91,6 @@ std::string jointName(int joint) {
 
 std::string column(const char* stem, int index, const char* unit) {
   return std::string(stem) + std::to_string(index) + unit;
-}
-
-/// First value of this name in a nested summary.
-const nlohmann::json* findKey(const nlohmann::json& node, const std::string& key) {
-  if (node.is_object()) {
-    if (const auto found = node.find(key); found != node.end()) {
-      return &*found;
-    }
-  }
-  if (node.is_structured()) {
-    for (const auto& child : node) {
-      if (const nlohmann::json* found = findKey(child, key)) {
-        return found;
-      }
-    }
-  }
-  return nullptr;
 }
 
 std::vector<Level> torqueLimits(const nlohmann::json& summary, int joint) {
@@ -332,20 +316,6 @@ struct Timing {
   const char* key;
   const char* title;
 };
-
-/// As the loop printed them at the end of the run, where its summary is there.
-std::string quantilesText(std::span<const double> values, const nlohmann::json& summary, const char* key) {
-  const nlohmann::json* said = findKey(summary, key);
-  const auto number = [&](const char* name, double share) {
-    const bool there =
-        said != nullptr && said->is_object() && said->contains(name) && (*said)[name].is_number();
-    return there ? (*said)[name].get<double>() : percentile(values, share);
-  };
-  std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), " (p50 %.1f, p99.9 %.1f, max %.1f µs)", number("p50_us", 0.5),
-                number("p99_9_us", 0.999), number("max_us", 1.0));
-  return text.data();
-}
 
 void addTiming(const Curves& curves, const nlohmann::json& summary, const Timing& timing,
                std::vector<Figure>& figures) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/report/gnuplot.hpp"
+#include "tools/report/summary_values.hpp"
 
 using namespace patella;
 using namespace patella::report;
@@ -113,6 +114,12 @@ TEST_CASE("a histogram's title says what the summary says in plain numbers, its 
       csv, {{"timing", {{"wakeup_latency", {{"p50_us", 24.5}, {"p99_9_us", 49.7}, {"max_us", 1270.04}}}}}});
   CHECK(find(said, "Wake-up latency")->title == "Wake-up latency (p50 24.5, p99.9 49.7, max 1270.0 µs)");
   CHECK(find(said, "Wake-up latency")->x_label == "µs");
+}
+
+TEST_CASE("a table with other ticks than the run counted is told of") {
+  CHECK(missingTicks(1000, {{"ticks", 1000}}).empty());
+  CHECK(missingTicks(1000, nlohmann::json::object()).empty());
+  CHECK(missingTicks(800, {{"ticks", 1000}}).starts_with("800 ticks, expected the 1000 that summary.json"));
 }
 
 TEST_CASE("times that are all zero, as in virtual time, make no histogram") {
