@@ -92,11 +92,11 @@ void declare(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--effects", a.effects, "kinds to consider, separated by commas, or all")->delimiter(',');
   app.add_option("--seed", a.options.seed, "of everything that is drawn by lot")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->check(patella::options::wholeNumberFrom(0, std::numeric_limits<std::int64_t>::max()))
       ->capture_default_str();
   app.add_option("--replicates", a.options.bootstrap_replicates,
                  "of the bootstrap that tells effects from chance")
-      ->check(CLI::Range(kFewestReplicates, 100000))
+      ->check(patella::options::wholeNumberFrom(kFewestReplicates, 100000))
       ->capture_default_str();
   app.add_option("--person", a.options.person_Nm,
                  "rms of what a person pushes with, N·m, one for each joint, separated by commas; nobody "

@@ -66,7 +66,8 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(options::numberFrom(boundOf("reference.blend_s").minimum, boundOf("reference.blend_s").maximum))
       ->capture_default_str();
   app.add_option("--harmonics", a.timing.harmonics, "sines of each joint")
-      ->check(CLI::Range(1, static_cast<int>(control::MultisineMotion::kMaxComponents)))
+      ->check(
+          patella::options::wholeNumberFrom(1, static_cast<int>(control::MultisineMotion::kMaxComponents)))
       ->capture_default_str();
   app.add_option("--highest", a.timing.highest_Hz, "Hz of the fastest sine")
       ->check(options::numberFrom(0.05, boundOf("reference.joint.frequency_Hz").maximum))
@@ -92,10 +93,10 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(options::numberFrom(1e-4, 1.0))
       ->capture_default_str();
   app.add_option("--evaluations", a.design.evaluations, "motions that the search looks at")
-      ->check(CLI::Range(100, 1000000))
+      ->check(patella::options::wholeNumberFrom(100, 1000000))
       ->capture_default_str();
   app.add_option("--seed", a.design.seed, "of everything that is drawn by lot")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->check(patella::options::wholeNumberFrom(0, std::numeric_limits<std::int64_t>::max()))
       ->capture_default_str();
 }
 

@@ -22,6 +22,18 @@ inline CLI::Validator numberFrom(double least, double most) {
           "FLOAT in [" + low + " - " + high + "]"};
 }
 
+/// A whole number in a range. Options say `->check(wholeNumberFrom(1, 100))`.
+inline CLI::Validator wholeNumberFrom(std::int64_t least, std::int64_t most) {
+  const std::string low = std::to_string(least), high = std::to_string(most);
+  return {[=](const std::string& text) {
+            std::int64_t value = 0;
+            const bool within = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return within ? std::string()
+                          : "value '" + text + "', expected a whole number from " + low + " to " + high;
+          },
+          "INT in [" + low + " - " + high + "]"};
+}
+
 /// A finite number above zero.
 inline CLI::Validator positiveNumber() {
   return {[](const std::string& text) {

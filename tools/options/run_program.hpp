@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "drivers/files/interruption.hpp"
+#include "firmware_app/files/command_line.hpp"
 
 namespace patella::options {
 
@@ -18,8 +19,7 @@ inline int runProgram(CLI::App& app, int argc, char** argv, const std::function<
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    // The parser's own numbers are not promised.
-    return app.exit(error) == 0 ? 0 : 1;
+    return patella::app::exitAfterParsing(app, error);
   }
   try {
     const files::CleanEnd clean_end;

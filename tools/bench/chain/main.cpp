@@ -13,6 +13,7 @@
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tools/bench/chain/kdl_peer.hpp"
 #include "tools/bench/chain/robots.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 
 namespace {
@@ -122,10 +123,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->required()
       ->check(CLI::ExistingDirectory);
   app.add_option("--rounds", arguments.rounds, "turns of each")
-      ->check(CLI::Range(1, 100'000))
+      ->check(patella::options::wholeNumberFrom(1, 100'000))
       ->capture_default_str();
   app.add_option("--states", arguments.states, "evaluations a turn")
-      ->check(CLI::Range(1, 100'000))
+      ->check(patella::options::wholeNumberFrom(1, 100'000))
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "of the states")->capture_default_str();
   return patella::options::runProgram(app, argc, argv, [&] {

@@ -299,7 +299,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--mechanism", options.wish.mechanism,
                  "paper_leg, adult_leg, light_arm, knee, linear_axis, chain or planar_chain");
   app.add_option("--joints", options.wish.joints, "of chains, instead of 2 to 7")
-      ->check(CLI::Range(kFewestJoints, kMostJoints));
+      ->check(patella::options::wholeNumberFrom(kFewestJoints, kMostJoints));
   app.add_option("--motion", options.wish.motion, "multisine, gait or sine");
   app.add_option("--strength", options.wish.strength, "of each effect, instead of 0.5 to 5")
       ->check(options::positiveNumber());
@@ -307,7 +307,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_flag("--draw-only", options.draw_only,
                "diagnose nothing; of the suite conventions, judge the columns only");
   app.add_option("--mistakes", options.mistakes, "in each copy of the suite conventions, 1 or 2")
-      ->check(CLI::Range(1, 2))
+      ->check(patella::options::wholeNumberFrom(1, 2))
       ->capture_default_str();
   return patella::options::runProgram(app, argc, argv, [&] {
     understand(options);

@@ -10,6 +10,7 @@
 #include "firmware_app/configuration/run_config.hpp"
 #include "tools/bench/faults/campaign.hpp"
 #include "tools/bench/faults/table.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 
 namespace {
@@ -32,9 +33,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   std::optional<std::uint64_t> seed;
   CLI::App app(kDescription, "patella-bench-faults");
   app.add_option("--config", line.config, "run configuration, TOML")->required();
-  app.add_option("--runs", options.runs, "runs")->capture_default_str()->check(CLI::Range(1, 1'000'000));
+  app.add_option("--runs", options.runs, "runs")
+      ->capture_default_str()
+      ->check(patella::options::wholeNumberFrom(1, 1'000'000));
   app.add_option("--seed", seed, "of the first run, the next has the next; chosen at random when not given");
-  app.add_option("--jobs", options.jobs, "threads")->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--jobs", options.jobs, "threads")
+      ->capture_default_str()
+      ->check(patella::options::wholeNumberFrom(1, 256));
   bool sound = true;
   const int status = patella::options::runProgram(app, argc, argv, [&] {
     line.backend = "sim";

@@ -8,6 +8,7 @@
 #include "core/network/attention_lstm.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "tools/bench/inference/measurement.hpp"
+#include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 
 namespace {
@@ -199,10 +200,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   std::vector<std::string> weights;
   app.add_option("--weights", weights, "trained networks: prints what 16 bits cost each, and times nothing")
       ->check(CLI::ExistingFile);
-  app.add_option("--rounds", options.rounds, "turns of every contender")->check(CLI::Range(1, 100000));
-  app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")->check(CLI::Range(1, 10000));
+  app.add_option("--rounds", options.rounds, "turns of every contender")
+      ->check(patella::options::wholeNumberFrom(1, 100000));
+  app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")
+      ->check(patella::options::wholeNumberFrom(1, 10000));
   app.add_option("--eviction-MB", options.eviction_MB, "memory written to empty the caches")
-      ->check(CLI::Range(1, 4096));
+      ->check(patella::options::wholeNumberFrom(1, 4096));
   return patella::options::runProgram(app, argc, argv, [&] {
     if (weights.empty()) {
       run(options);

@@ -167,9 +167,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--backend", arguments.backend, "of the loop: sim, or can:INTERFACE");
   app.add_option("--seconds", arguments.seconds, "of a turn")
       ->check(patella::options::numberFrom(0.1, 86400.0));
-  app.add_option("--rounds", arguments.rounds, "turns of each program")->check(CLI::Range(1, 10000));
+  app.add_option("--rounds", arguments.rounds, "turns of each program")
+      ->check(patella::options::wholeNumberFrom(1, 10000));
   app.add_option("--priority", arguments.priority, "SCHED_FIFO; the configuration must say the same")
-      ->check(CLI::Range(1, 99));
+      ->check(patella::options::wholeNumberFrom(1, 99));
   CLI::Option* cpus =
       app.add_option("--cpus", arguments.cpus, "processors that both are bound to, as 2,3; empty: any");
   app.add_option(
@@ -178,9 +179,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
          "after each round")
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(0, 1023))
+      ->check(patella::options::wholeNumberFrom(0, 1023))
       ->excludes(cpus);
-  app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")->check(CLI::Range(1, 20000));
+  app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")
+      ->check(patella::options::wholeNumberFrom(1, 20000));
   app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
   app.add_option("--out", arguments.out, "folder for jitter.csv, jitter.png and what the programs print")
       ->required();

@@ -79,15 +79,17 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "patella-bench-plan");
   Options options;
   app.add_option("--machines", options.machines, "number of drawn machines")
-      ->check(CLI::Range(1, 100000))
+      ->check(patella::options::wholeNumberFrom(1, 100000))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "of the first machine")->capture_default_str();
-  app.add_option("--threads", options.threads, "at once")->check(CLI::Range(1, 256))->capture_default_str();
+  app.add_option("--threads", options.threads, "at once")
+      ->check(patella::options::wholeNumberFrom(1, 256))
+      ->capture_default_str();
   app.add_option("--duration", options.compare.duration_s, "s of motion")
       ->check(patella::options::numberFrom(8.0, 120.0))
       ->capture_default_str();
   app.add_option("--evaluations", options.compare.evaluations, "motions that each search looks at")
-      ->check(CLI::Range(100, 1000000))
+      ->check(patella::options::wholeNumberFrom(100, 1000000))
       ->capture_default_str();
   app.add_option(
          "--nominal-tolerance", options.compare.nominal_tolerance,

@@ -137,12 +137,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(patella::options::numberFrom(100.0, 20000.0))
       ->needs(real_time);
   app.add_option("--rounds", arguments.rounds, "with --rates: runs at each")
-      ->check(CLI::Range(1, 1000))
+      ->check(patella::options::wholeNumberFrom(1, 1000))
       ->capture_default_str();
   app.add_option("--can", arguments.pace.interface, "interface at which patella-rig is running")
       ->needs(real_time);
   app.add_option("--priority", arguments.pace.priority, "with --real-time: SCHED_FIFO, 0: none")
-      ->check(CLI::Range(0, 99))
+      ->check(patella::options::wholeNumberFrom(0, 99))
       ->capture_default_str();
   return patella::options::runProgram(app, argc, argv, [&] { run(arguments); });
 }

@@ -66,13 +66,15 @@ void declare(CLI::App& app, LegArguments& a) {
   app.add_flag("--adapt", o.adapt, "besides: Kalman filters that adapt the model's parameters");
   app.add_flag("!--no-network", o.network, "observers and filters alone, nothing trained");
   app.add_option("--first-seed", o.first_seed, "from which the seeds go up")
-      ->check(CLI::Range(1, 10000))
+      ->check(patella::options::wholeNumberFrom(1, 10000))
       ->capture_default_str();
-  app.add_option("--seeds", o.seeds)->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--seeds", o.seeds)->check(patella::options::wholeNumberFrom(1, 100))->capture_default_str();
   app.add_option("--runs", o.training_runs, "to train on, of each seed")
-      ->check(CLI::Range(3, 2000))
+      ->check(patella::options::wholeNumberFrom(3, 2000))
       ->capture_default_str();
-  app.add_option("--test-runs", o.test_runs)->check(CLI::Range(1, 500))->capture_default_str();
+  app.add_option("--test-runs", o.test_runs)
+      ->check(patella::options::wholeNumberFrom(1, 500))
+      ->capture_default_str();
   app.add_option("--seconds", o.seconds, "length of a run")
       ->check(patella::options::numberFrom(4.0, 600.0))
       ->capture_default_str();
@@ -85,7 +87,9 @@ void declare(CLI::App& app, PendulumArguments& a) {
   app.add_option("--data", a.data, "recordings to train on")->required()->check(CLI::ExistingFile);
   app.add_option("--test-data", a.test_data, "recordings to test on")->required()->check(CLI::ExistingFile);
   app.add_option("--columns", a.columns, "map of their columns")->required()->check(CLI::ExistingFile);
-  app.add_option("--seeds", a.options.seeds)->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--seeds", a.options.seeds)
+      ->check(patella::options::wholeNumberFrom(1, 100))
+      ->capture_default_str();
   app.add_option("--weight-decay", a.options.training.weight_decay)->capture_default_str();
   declareTraining(app, a.options.training);
 }

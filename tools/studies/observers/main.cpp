@@ -42,11 +42,13 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(patella::options::numberFrom(4.0, 1000.0));
   app.add_option("--seeds", options.seeds, "measured on, from 1")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100));
+      ->check(patella::options::wholeNumberFrom(1, 100));
   app.add_option("--tuning-seeds", options.tuning_seeds, "tuned on, from 101")
       ->capture_default_str()
-      ->check(CLI::Range(1, 20));
-  app.add_option("--jobs", options.jobs, "threads")->capture_default_str()->check(CLI::Range(1, 64));
+      ->check(patella::options::wholeNumberFrom(1, 20));
+  app.add_option("--jobs", options.jobs, "threads")
+      ->capture_default_str()
+      ->check(patella::options::wholeNumberFrom(1, 64));
   app.add_option("--out", out, "folder for observers.csv and observers.png");
   return patella::options::runProgram(app, argc, argv, [&] {
     if (!noise.empty()) {

@@ -50,7 +50,7 @@ void declareStudy(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--experiments", a.experiments)
       ->delimiter(',')
-      ->check(CLI::Range(1, 2))
+      ->check(patella::options::wholeNumberFrom(1, 2))
       ->capture_default_str();
   app.add_option("--forms", a.forms)
       ->delimiter(',')
@@ -60,9 +60,11 @@ void declareStudy(CLI::App& app, Arguments& a) {
       ->delimiter(',')
       ->check(CLI::IsMember({"random", "blocked", "chronological"}))
       ->capture_default_str();
-  app.add_option("--seeds", o.seeds, "measured on, from 1")->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--seeds", o.seeds, "measured on, from 1")
+      ->check(patella::options::wholeNumberFrom(1, 100))
+      ->capture_default_str();
   app.add_option("--tuning-seeds", o.tuning_seeds, "tuned on, from 101")
-      ->check(CLI::Range(1, 20))
+      ->check(patella::options::wholeNumberFrom(1, 20))
       ->capture_default_str();
   app.add_option("--seconds", o.seconds, "length of a recording")
       ->check(patella::options::numberFrom(20.0, 600.0))
