@@ -5,8 +5,10 @@
 #include <ctime>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/chrono.h>
@@ -16,6 +18,7 @@
 #include "firmware_app/commands/check_command.hpp"
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/commands/view_command.hpp"
+#include "firmware_app/files/command_line.hpp"
 #include "firmware_app/files/standard_streams.hpp"
 #include "firmware_app/realtime/signal_reactions.hpp"
 
@@ -29,12 +32,35 @@ void requestStop(int /*signal*/) {
   g_stop.store(true);
 }
 
-std::filesystem::path defaultFolder() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  return std::filesystem::path("runs") / fmt::format("{:%Y%m%d-%H%M%S}", local);
-}
+/// A new folder of the name runs/DATE-TIME, with a number behind it for the second and more of one second.
+/// Removed with the object where nothing has been put into it.
+class DefaultFolder {
+ public:
+  /// Throws std::filesystem::filesystem_error.
+  DefaultFolder() {
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    localtime_r(&now, &local);
+    const std::string name = fmt::format("runs/{:%Y%m%d-%H%M%S}", local);
+    std::filesystem::create_directories("runs");
+    path_ = name;
+    for (int number = 2; !std::filesystem::create_directory(path_); ++number) {
+      path_ = fmt::format("{}-{}", name, number);
+    }
+  }
+  ~DefaultFolder() {
+    std::error_code not_empty;
+    std::filesystem::remove(path_, not_empty);
+    std::filesystem::remove("runs", not_empty);
+  }
+  DefaultFolder(const DefaultFolder&) = delete;
+  DefaultFolder& operator=(const DefaultFolder&) = delete;
+
+  const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 void addCommon(CLI::App& command, patella::app::CommandLine& line) {
   command.add_option("--config", line.config, "run configuration, TOML")->required();
@@ -99,8 +125,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    // Help and version are no errors; the parser's own numbers are not part of what we promise.
-    return app.exit(error) == 0 ? 0 : kError;
+    return patella::app::exitAfterParsing(app, error);
   }
 
   try {
@@ -116,7 +141,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     if (check.parsed()) {
       return patella::app::checkRun(config, line.require_rt, ask_nodes) ? 0 : kError;
     }
-    return static_cast<int>(patella::app::runLoop(config, folder.empty() ? defaultFolder() : folder, g_stop));
+    std::optional<DefaultFolder> own_folder;
+    if (folder.empty()) {
+      folder = own_folder.emplace().path();
+    }
+    return static_cast<int>(patella::app::runLoop(config, folder, g_stop));
   } catch (const std::exception& error) {
     patella::app::show(stderr, fmt::format("patella: {}\n", error.what()));
     return kError;

@@ -1,4 +1,9 @@
 // Command lines with one defect each.
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <filesystem>
+
 #include <doctest/doctest.h>
 
 #include "tests/integration/malformed/patella_process.hpp"
@@ -55,7 +60,7 @@ TEST_CASE("a duration that has passed, an unknown clock, a seed below zero") {
 
 TEST_CASE("an argument that there is not") {
   expectRefusedWith({"--fast"}, {"--fast"});
-  expectRefusedWith({"--duration", "ten"}, {"--duration", "ten"});
+  expectRefusedWith({"--duration", "ten"}, {"--duration: value 'ten', expected a number"});
   expectRefusedWith({"--rate"}, {"--rate"});
 }
 
@@ -64,6 +69,11 @@ TEST_CASE("no configuration, and no command") {
   const Outcome run = workshop.patella({"run"});
   CHECK(run.exit_status == 1);
   CHECK(run.errors.find("--config is required") != std::string::npos);
+  const Outcome misspelt = workshop.patella({"run", "--confg", "adult.toml"});
+  CHECK(misspelt.exit_status == 1);
+  CHECK(misspelt.errors.find(
+            "--confg: unknown option, expected one that --help names, did you mean '--config'?") !=
+        std::string::npos);
   const Outcome bare = workshop.patella({});
   CHECK(bare.exit_status == 1);
   CHECK(bare.errors.find("subcommand is required") != std::string::npos);
@@ -78,6 +88,36 @@ TEST_CASE("an interface that there is not, to check") {
   const Outcome check =
       workshop.patella({"check", "--config", workshop.file(kConfig).string(), "--backend", "can:nosuch0"});
   CHECK(check.exit_status == 1);
+}
+
+TEST_CASE("runs of one second have folders of their own, and a refused one leaves none") {
+  const Workshop workshop;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(workshop.file("."));
+  constexpr int kSeconds = 300;  // that the run may take to start
+  for (int second = 0; second < kSeconds; ++second) {
+    const std::time_t at = std::time(nullptr) + second;
+    std::tm local{};
+    localtime_r(&at, &local);
+    std::array<char, 32> name{};
+    std::strftime(name.data(), name.size(), "runs/%Y%m%d-%H%M%S", &local);
+    std::filesystem::create_directories(name.data());
+    workshop.write(std::string(name.data()) + "/summary.json", "precious");
+  }
+  const std::vector<std::string> arguments = {
+      "run", "--clock", "virtual", "--duration", "0.1", "--config", workshop.file(kConfig).string()};
+  const Outcome outcome = workshop.patella(arguments);
+  const std::set<std::string> with_it = workshop.listing();
+  std::vector<std::string> refused = arguments;
+  refused.insert(refused.end(), {"--backend", "can:nosuch0", "--clock", "monotonic"});
+  refused.erase(refused.begin() + 1, refused.begin() + 3);
+  CHECK(workshop.patella(refused).exit_status == 1);
+  std::filesystem::current_path(before);
+  INFO(outcome.errors);
+  CHECK(outcome.exit_status == 0);
+  CHECK(std::ranges::any_of(with_it,
+                            [](const std::string& path) { return path.ends_with("-2/summary.json"); }));
+  CHECK(workshop.listing() == with_it);
 }
 
 TEST_CASE("no name of a folder") {
