@@ -8,18 +8,26 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+refuse() {
+  echo "tools/run.sh: $1, expected $2" >&2
+  exit 2
+}
+# OPTION WHAT VALUE...: there is a value.
+needs() { [ $# -gt 2 ] && [ -n "$3" ] || refuse "$1: no value" "$2"; }
+
 config=firmware_app/config/adult.toml
 out=runs/$(date +%Y%m%d-%H%M%S)
 while [ $# -gt 0 ]; do
   case "$1" in
-    --config) config=${2:?--config needs a file}; shift 2 ;;
-    --out) out=${2:?--out needs a folder}; shift 2 ;;
-    *)
-      echo "tools/run.sh: unknown argument '$1', expected --config FILE or --out DIR" >&2
-      exit 2
-      ;;
+    --config) needs "$1" "a file" "${@:2}"; config=$2; shift 2 ;;
+    --out) needs "$1" "a folder" "${@:2}"; out=$2; shift 2 ;;
+    *) refuse "unknown argument '$1'" "--config FILE or --out DIR" ;;
   esac
 done
+# Before minutes of installing and building.
+[ -f "$config" ] || refuse "--config: there is no file '$config'" "a run configuration, from $PWD"
+[ ! -e "$out" ] || { [ -d "$out" ] && [ -z "$(ls -A "$out")" ]; } ||
+  refuse "--out: '$out' is there already" "a new or empty folder"
 
 tools/setup.sh
 mkdir -p build

@@ -30,8 +30,11 @@ def main():
     if len(sys.argv) != 2:
         sys.exit("usage: read_run.py FOLDER")
     folder = pathlib.Path(sys.argv[1])
-    summary = json.loads((folder / "summary.json").read_text())
-    ticks = columns(folder / "ticks.csv")
+    try:
+        summary = json.loads((folder / "summary.json").read_text())
+        ticks = columns(folder / "ticks.csv")
+    except (OSError, ValueError) as error:
+        sys.exit(f"read_run.py: {folder}: {error}; expected the folder of a run, with summary.json and ticks.csv")
     active = [i for i, state in enumerate(ticks["state"]) if state == ACTIVE]
     print(f"patella {summary['patella']}: {len(ticks['t_s'])} ticks, {len(active)} of them active")
     for joint in 1, 2:

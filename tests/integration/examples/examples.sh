@@ -51,6 +51,28 @@ run=$scratch/run
 read=$(python3 "$source_dir/docs/examples/read_run.py" "$run")
 echo "$read"
 grep -q "^patella $version: 2000 ticks, [1-9][0-9]* of them active$" <<<"$read" || fail "read_run.py counts other ticks"
+! absent=$(python3 "$source_dir/docs/examples/read_run.py" "$scratch/absent" 2>&1) || fail "read_run.py took a folder that is not there"
+[[ $absent == "read_run.py: $scratch/absent: "*"expected the folder of a run"* ]] || fail "read_run.py said: $absent"
+
+# refused WORDS COMMAND...: ends with status 2 and these words, before anything is built or run.
+refused() {
+  local words=$1 said status=0
+  shift
+  said=$("$@" 2>&1) || status=$?
+  { [ "$status" = 2 ] && [ "$said" = "$words" ]; } || fail "$* ended with $status: $said"
+}
+folders="a folder with emps, double_pendulum and passive_knee"
+refused "tools/run.sh: --config: no value, expected a file" "$source_dir/tools/run.sh" --config
+refused "tools/run.sh: --config: there is no file 'nofile.toml', expected a run configuration, from $source_dir" \
+  "$source_dir/tools/run.sh" --config nofile.toml
+refused "tools/run.sh: --out: '$run' is there already, expected a new or empty folder" "$source_dir/tools/run.sh" --out "$run"
+refused "measured.sh: --data: missing, expected $folders" "$source_dir/tools/studies/measured/measured.sh" --out x
+refused "measured.sh: --out: missing, expected a folder for the results" "$source_dir/tools/studies/measured/measured.sh" --data x
+refused "measured.sh: --data: there is no folder '$run/emps', expected $folders" \
+  "$source_dir/tools/studies/measured/measured.sh" --data "$run" --out x
+refused "circle.sh: there is no file 'nofile', expected models of rigs, TOML" \
+  "$source_dir/tools/studies/circle/circle.sh" --out x nofile
+
 # The run's own summary says the same of these columns.
 python3 - "$run/summary.json" "$read" <<'PY' || fail "read_run.py and summary.json differ"
 import json, re, sys

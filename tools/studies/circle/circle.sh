@@ -11,22 +11,30 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
+refuse() {
+  echo "circle.sh: $1, expected $2" >&2
+  exit 2
+}
+# OPTION WHAT VALUE...: there is a value.
+needs() { [ $# -gt 2 ] && [ -n "$3" ] || refuse "$1: no value" "$2"; }
+
 bin=build/release
 out=
 rigs=()
 while [ $# -gt 0 ]; do
   case "$1" in
-    --bin) bin=${2:?--bin needs a build folder}; shift 2 ;;
-    --out) out=${2:?--out needs a folder}; shift 2 ;;
-    -*)
-      echo "circle.sh: unknown argument '$1', expected --bin BUILD, --out DIR or models" >&2
-      exit 2
-      ;;
+    --bin) needs "$1" "a build folder" "${@:2}"; bin=$2; shift 2 ;;
+    --out) needs "$1" "a folder" "${@:2}"; out=$2; shift 2 ;;
+    -*) refuse "unknown argument '$1'" "--bin BUILD, --out DIR or models" ;;
     *) rigs+=("$1"); shift ;;
   esac
 done
-[ -n "$out" ] || { echo "circle.sh: --out DIR is missing" >&2; exit 2; }
+[ -n "$out" ] || refuse "--out: missing" "a folder for the results"
 [ ${#rigs[@]} -gt 0 ] || rigs=(tools/studies/circle/*.toml tools/studies/circle/two_legs/*.toml)
+for rig in "${rigs[@]}"; do
+  [ -f "$rig" ] || refuse "there is no file '$rig'" "models of rigs, TOML"
+done
+[ -x "$bin/firmware_app/patella" ] || refuse "--bin: '$bin' has no patella" "a folder that it was built in"
 
 # Configuration of the loop, its model, the motion that is not recorded and the patient's push, for the rig of this round.
 choose() {

@@ -6,24 +6,30 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
+refuse() {
+  echo "measured.sh: $1, expected $2" >&2
+  exit 2
+}
+# OPTION WHAT VALUE...: there is a value.
+needs() { [ $# -gt 2 ] && [ -n "$3" ] || refuse "$1: no value" "$2"; }
+
 bin=build/release
 data=
 out=
 while [ $# -gt 0 ]; do
   case "$1" in
-    --bin) bin=${2:?--bin needs a build folder}; shift 2 ;;
-    --data) data=${2:?--data needs a folder}; shift 2 ;;
-    --out) out=${2:?--out needs a folder}; shift 2 ;;
-    *)
-      echo "measured.sh: unknown argument '$1', expected --bin BUILD, --data DIR or --out DIR" >&2
-      exit 2
-      ;;
+    --bin) needs "$1" "a build folder" "${@:2}"; bin=$2; shift 2 ;;
+    --data) needs "$1" "a folder" "${@:2}"; data=$2; shift 2 ;;
+    --out) needs "$1" "a folder" "${@:2}"; out=$2; shift 2 ;;
+    *) refuse "unknown argument '$1'" "--bin BUILD, --data DIR or --out DIR" ;;
   esac
 done
-if [ -z "$data" ] || [ -z "$out" ]; then
-  echo "measured.sh: --data DIR and --out DIR are needed" >&2
-  exit 2
-fi
+[ -n "$data" ] || refuse "--data: missing" "a folder with emps, double_pendulum and passive_knee"
+[ -n "$out" ] || refuse "--out: missing" "a folder for the results"
+for part in emps double_pendulum passive_knee; do
+  [ -d "$data/$part" ] || refuse "--data: there is no folder '$data/$part'" "a folder with emps, double_pendulum and passive_knee"
+done
+[ -x "$bin/tools/diagnose/patella-diagnose" ] || refuse "--bin: '$bin' has no patella-diagnose" "a folder that it was built in"
 
 maps=tools/diagnose/maps
 figures=$bin/tools/studies/measured/patella-study-measured
