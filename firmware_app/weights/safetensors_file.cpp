@@ -241,7 +241,8 @@ Safetensors readSafetensors(const std::filesystem::path& path, const files::File
   std::uint64_t header_bytes = 0;
   std::memcpy(&header_bytes, bytes.data(), kLengthBytes);
   if (header_bytes > std::min(kMaxHeaderBytes, behind_length))
-    context.fail("header length " + std::to_string(header_bytes) + ", expected at most " +
+    context.fail("is no safetensors file, or its end is missing: header length " +
+                 std::to_string(header_bytes) + ", expected at most " +
                  std::to_string(std::min(kMaxHeaderBytes, behind_length)));
   const json header = parseHeader(context, std::string_view(bytes).substr(kLengthBytes, header_bytes));
   const std::uint64_t data_bytes = behind_length - header_bytes;

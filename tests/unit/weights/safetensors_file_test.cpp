@@ -89,11 +89,13 @@ TEST_CASE("F32 and F64, scalars, empty tensors, any order and padding are read")
 TEST_CASE("a length that the file does not have is refused") {
   CHECK(refusal("") == "file: is 0 bytes long, too short for a safetensors header");
   CHECK(refusal("1234567") == "file: is 7 bytes long, too short for a safetensors header");
-  CHECK(refusal(fileOf(3, "{}", "")) == "file: header length 3, expected at most 2");
+  CHECK(refusal(fileOf(3, "{}", "")) ==
+        "file: is no safetensors file, or its end is missing: header length 3, expected at most 2");
   for (const std::uint64_t length :
        {std::uint64_t{1} << 31, std::uint64_t{1} << 63, ~std::uint64_t{0}, ~std::uint64_t{0} - 7})
     CHECK(refusal(fileOf(length, "{}", "")) ==
-          "file: header length " + std::to_string(length) + ", expected at most 2");
+          "file: is no safetensors file, or its end is missing: header length " + std::to_string(length) +
+              ", expected at most 2");
 }
 
 TEST_CASE("a header that is not a plain JSON object with unlike names is refused") {
