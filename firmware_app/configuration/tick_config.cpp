@@ -208,6 +208,13 @@ void readSafety(const TomlTable& table, RunConfig& config) {
   const auto velocity = perJoint(boundOf("safety.velocity_rad_s"));
   const auto lower = perJoint(boundOf("safety.q_min_rad"));
   const auto upper = perJoint(boundOf("safety.q_max_rad"));
+  for (std::size_t i = 0; i < joints; ++i) {
+    if (!(lower[i] < upper[i])) {
+      throw table.error("q_max_rad", "value " + formatNumber(upper[i]) + " of joint " +
+                                         std::to_string(i + 1) + ", expected more than q_min_rad, which is " +
+                                         formatNumber(lower[i]));
+    }
+  }
   const std::vector<double> margins(joints, safety::JointLimits{}.soft_margin_rad);
   const auto margin = numbers(table, boundOf("safety.soft_margin_rad"), CountRange::exactly(joints), margins);
   safety::SafetyLimits& limits = config.tick.limits;

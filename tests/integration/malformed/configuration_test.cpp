@@ -198,7 +198,9 @@ TEST_CASE("a number out of its range, in every section") {
        {}},
       {"joint range turned round",
        replaced(kConfig, "q_max_rad = [0.2, 0.1]", "q_max_rad = [-2.5, 0.1]"),
-       {"adult.toml", "q_max_rad = -2.5, expected more than q_min_rad, -2.2"},
+       {"adult.toml:{line}: key 'safety.q_max_rad': value -2.5 of joint 1, expected more than q_min_rad, "
+        "which is "
+        "-2.2"},
        {}},
       {"soft margin wider than the range",
        replaced(kConfig, "soft_margin_rad = [0.05, 0.05]", "soft_margin_rad = [0.05, 4]"),

@@ -172,6 +172,8 @@ const std::multimap<std::string_view, std::pair<double, std::string>> kRelated =
     {"checks.encoder_period_s", {5e-5, "120 rad/s"}},
     {"checks.position_min_rad", {4.0 * std::numbers::pi, "less than position_max_rad"}},
     {"checks.position_max_rad", {-4.0 * std::numbers::pi, "less than position_max_rad"}},
+    {"safety.q_min_rad", {2.0 * std::numbers::pi, "more than q_min_rad"}},
+    {"safety.q_max_rad", {-2.0 * std::numbers::pi, "more than q_min_rad"}},
     {"canopen.master_node", {1, "a number of its own"}},
     {"cia402.node", {127, "no message with the identifier 1FFh"}},
     {"range.minimum", {1e6, "more than minimum"}},
