@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include "core/bounds/bounds.hpp"
@@ -103,6 +104,20 @@ std::vector<ChainLink> readLinks(const TomlTable& chain, const std::string& link
   return links;
 }
 
+/// "link 2 'shank': mass_kg = 0, expected more", at the line of that link and key; another problem at the
+/// links.
+FileError located(const TomlTable& chain, const std::string& problem) {
+  const std::size_t end = problem.find("': ");
+  if (!problem.starts_with("link ") || !chain.has("link") || end == std::string::npos) {
+    return chain.error(chain.has("urdf") ? "urdf" : chain.has("chain") ? "chain" : "link", problem);
+  }
+  const std::string rest = problem.substr(end + 3);
+  const std::string key = rest.substr(0, rest.find_first_of(" :"));
+  const std::vector<TomlTable> tables = chain.tables("link");
+  const TomlTable& table = tables.at(std::stoul(problem.substr(std::string_view("link ").size())) - 1);
+  return table.has(key) ? table.error(key, rest) : table.error("name", problem);
+}
+
 std::string gravityText(const SerialChainParameters& chain) {
   return line("gravity_m_s2", chain.gravity_m_s2, "m/s², in the axes of the base");
 }
@@ -144,6 +159,16 @@ ChainGroupParameters readChainGroup(const TomlTable& mechanism, std::vector<std:
         {.links = readLinks(table, "mechanism.chain.link", files), .gravity_m_s2 = gravity_m_s2});
   }
   return group;
+}
+
+FileError chainError(const TomlTable& mechanism, const std::string& problem) {
+  constexpr std::string_view kChain = "chain ";
+  const std::size_t end = problem.find(": ");
+  if (!mechanism.has("chain") || !problem.starts_with(kChain) || end == std::string::npos) {
+    return located(mechanism, problem);
+  }
+  const std::vector<TomlTable> chains = mechanism.tables("chain");
+  return located(chains.at(std::stoul(problem.substr(kChain.size())) - 1), problem.substr(end + 2));
 }
 
 std::string chainText(const SerialChainParameters& chain) {

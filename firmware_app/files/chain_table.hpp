@@ -20,6 +20,10 @@ model::SerialChainParameters readChain(const TomlTable& mechanism, std::vector<s
 model::ChainGroupParameters readChainGroup(const TomlTable& mechanism,
                                            std::vector<std::filesystem::path>& files);
 
+/// The error of a chain or a group that cannot be computed with, at the link and the key that `problem`,
+/// which is core's, speaks of. `mechanism`: what it was read from.
+FileError chainError(const TomlTable& mechanism, const std::string& problem);
+
 /// What follows `kind`, link by link; readChain() gives back the same numbers to the bit.
 std::string chainText(const model::SerialChainParameters& chain);
 /// Likewise, and readChainGroup().

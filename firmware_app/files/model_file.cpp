@@ -216,7 +216,12 @@ ModelDescription parseModel(std::string_view text, const std::string& name,
   try {
     makeModel(description);
   } catch (const std::invalid_argument& error) {
-    throw FileError(name + ": " + error.what());
+    // An effect that does not fit names itself.
+    const std::string problem = error.what();
+    const bool of_chain = problem.starts_with("link ") || problem.starts_with("chain ") ||
+                          problem.starts_with("serial_chain: ");
+    throw of_chain ? chainError(document.root().table("mechanism"), problem)
+                   : FileError(name + ": " + problem);
   }
   return description;
 }

@@ -278,7 +278,12 @@ TEST_CASE("a chain in a model file is refused by key, value and expectation") {
   contains(refused("urdf = \"r.urdf\"\nbase = \"a\"\ntip = \"b\"\n[[mechanism.link]]\nname = \"a\""),
            "stands beside 'urdf', which has the links; expected one of the two");
   contains(refused("[[mechanism.link]]\nname = \"a\"\njoint = \"revolute\""),
-           "model.toml: serial_chain: inertia that joint 1 moves, with those after it free = 0, expected "
+           "model.toml:3: key 'mechanism.link': serial_chain: inertia that joint 1 moves, with those after "
+           "it free = 0, expected "
            "more than 0");
+  contains(
+      refused("[[mechanism.link]]\nname = \"a\"\njoint = \"revolute\"\nmass_kg = 0\ninertia_kg_m2 = [1, 1, "
+              "1, 0, 0, 0]"),
+      "model.toml:6: key 'mechanism.link[1].mass_kg': mass_kg = 0, expected more than 0 with an inertia");
   contains(refused("urdf = \"no.urdf\"\nbase = \"a\"\ntip = \"b\""), "no.urdf");
 }
