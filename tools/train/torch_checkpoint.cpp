@@ -43,6 +43,34 @@ class Hash {
   std::uint64_t value_ = 0xcbf29ce484222325ULL;
 };
 
+/// Parts of an identity, each a name and a value.
+std::vector<std::string> partsOf(const std::string& identity) {
+  constexpr std::string_view kBetween = ", ";
+  std::vector<std::string> parts;
+  for (std::size_t from = 0; from <= identity.size();) {
+    const std::size_t to = std::min(identity.find(kBetween, from), identity.size());
+    parts.push_back(identity.substr(from, to - from));
+    from = to + kBetween.size();
+  }
+  return parts;
+}
+
+/// "there epochs 5, here epochs 9" for each part that is another; all of it where the parts are not the same.
+std::string differences(const std::string& there, const std::string& here) {
+  const std::vector<std::string> theirs = partsOf(there);
+  const std::vector<std::string> ours = partsOf(here);
+  if (theirs.size() != ours.size()) {
+    return "there " + there + ", here " + here;
+  }
+  std::string text;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (theirs[i] != ours[i]) {
+      text += (text.empty() ? "there " : "; there ") + theirs[i] + ", here " + ours[i];
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 void saveCheckpoint(const std::filesystem::path& path, const std::string& identity,
@@ -77,7 +105,7 @@ void loadCheckpoint(const std::filesystem::path& path, const std::string& identi
   };
   if (text(kIdentity) != identity) {
     throw app::FileError(path.string() + ": is the checkpoint of a training with other options or data (" +
-                         text(kIdentity) + "), expected " + identity + "; remove it to begin anew");
+                         differences(text(kIdentity), identity) + "); remove it to begin anew");
   }
   eachGroup(state, [&](const char* prefix, NamedTensors& tensors) {
     for (auto& [name, tensor] : tensors) {

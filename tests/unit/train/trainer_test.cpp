@@ -101,7 +101,8 @@ TEST_CASE("a checkpoint of other options or data is refused") {
   trainNetwork(sequences, frame, options, surroundings);
   options.seed = 9;
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, frame, options, surroundings),
-                       doctest::Contains("other options or data"), app::FileError);
+                       doctest::Contains("other options or data (there seed 1, here seed 9); remove it"),
+                       app::FileError);
   options.seed = 1;
   options.linear_lags = {0, 3};
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, frame, options, surroundings),
