@@ -1,6 +1,8 @@
 #include "tools/view/log_replay.hpp"
 
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 #include "firmware_app/files/atomic_file.hpp"
@@ -8,6 +10,17 @@
 #include "tools/process/process.hpp"
 
 namespace patella::view {
+namespace {
+
+/// What a program said, without its name before it and the end of the line behind it.
+std::string bare(std::string said) {
+  constexpr std::string_view kName = "patella: ";
+  said.erase(0, said.starts_with(kName) ? kName.size() : 0);
+  said.erase(said.find_last_not_of(" \r\n") + 1);
+  return said;
+}
+
+}  // namespace
 
 LogReplay::LogReplay(const std::filesystem::path& log, const std::filesystem::path& configuration) {
   if (configuration.empty()) {
@@ -23,7 +36,7 @@ LogReplay::LogReplay(const std::filesystem::path& log, const std::filesystem::pa
        "--clock", "virtual", "--duration", "0", "--out", folder().string()},
       {.output = said}));
   if (ending.exit_status != 0) {
-    throw app::FileError(log.string() + ": cannot be played: " + app::readFile(said));
+    throw app::FileError(log.string() + ": cannot be played: " + bare(app::readFile(said)));
   }
 }
 
