@@ -29,7 +29,8 @@ std::string unitRemark(const NamedBinding& bound, const Database& database, Dime
     return "";
   const std::string scale = "scale " + digits(bound.binding.scale);
   if (!bound.binding.scale_reason.empty()) {
-    return bound.name() + ": " + scale + " of " + bound.signal() + " (" + quote(signal->unit) +
+    const std::string unit = signal->unit.empty() ? "without a unit" : quote(signal->unit);
+    return bound.name() + ": " + scale + " of " + bound.signal() + " (" + unit +
            ") stands as given: " + bound.binding.scale_reason;
   }
   if (dimension == Dimension::kNone || findUnit(signal->unit))
