@@ -158,4 +158,6 @@ TEST_CASE("a folder for results that cannot be one") {
   const Bench bench;
   bench.expectRefused({"--out", bench.file("run.csv")}, {"run.csv: cannot be a folder for results"});
   bench.expectRefused({"--out", bench.file("run.csv/below")}, {"cannot be a folder for results"});
+  bench.expectRefused({"--out", "/proc/diagnosis"},
+                      {"/proc/diagnosis: cannot be a folder for results: /proc: "});
 }

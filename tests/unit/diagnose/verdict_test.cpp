@@ -74,6 +74,7 @@ TEST_CASE("a diagnosis says what decided, and what a found effect leaves") {
   diagnosis.effects.emplace_back();
   settle(diagnosis);
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
+  CHECK(diagnosis.explanation.starts_with("What was found explains a part of the residual"));
   CHECK(diagnosis.explanation.ends_with(" large_rest"));
 }
 

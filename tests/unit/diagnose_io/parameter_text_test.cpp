@@ -64,6 +64,8 @@ TEST_CASE("an estimate shows as many digits as its interval supports") {
   CHECK(valueWithInterval(1.48321, {1.42144, 1.54398}) == "1.48 [1.42, 1.54]");
   CHECK(valueWithInterval(4.0213, {3.911, 4.1316}) == "4.02 [3.91, 4.13]");
   CHECK(valueWithInterval(203.5, {180.0, 227.0}) == "204 [180, 227]");
+  CHECK(valueWithInterval(0.0003, {-0.0071, 0.0083}) == "0.0003 [-0.0071, 0.0083]");
+  CHECK(valueWithInterval(1e-9, {-0.0071, 0.0083}) == "0.000 [-0.007, 0.008]");
   CHECK(valueWithInterval(1.5, {1.5, 1.5}) == "1.5");
   CHECK(valueWithInterval(2.71, {0.2513, 34.2}) == "2.7 [0.25, 34]");
   CHECK(valueWithInterval(8109.0, {738.2, 89141.0}) == "8109 [738, 89141]");

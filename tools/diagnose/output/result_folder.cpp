@@ -1,10 +1,8 @@
 #include "tools/diagnose/output/result_folder.hpp"
 
-#include <cerrno>
 #include <memory>
 #include <system_error>
-
-#include <unistd.h>
+#include <utility>
 
 #include "firmware_app/files/atomic_file.hpp"
 
@@ -21,13 +19,30 @@ ResultFolder::ResultFolder(const fs::path& path) : path_(path) {
   if (!fs::is_directory(there)) {
     throw refusal(there == wanted ? "it is a file" : there.string() + " is a file");
   }
-  if (access(there.c_str(), W_OK | X_OK) != 0) {
-    throw refusal(there.string() + ": " + std::generic_category().message(errno));
+  tryOut(there);
+}
+
+/// Permissions alone do not tell: a folder of the kernel's takes no files, whoever asks.
+void ResultFolder::tryOut(const fs::path& there) {
+  made_ = true;
+  try {
+    fs::create_directories(path_);
+    const app::AtomicFile one(path_ / "report.html");
+  } catch (const std::exception& error) {
+    removeMade();
+    const auto* of_system = dynamic_cast<const fs::filesystem_error*>(&error);
+    throw refusal(there.string() + ": " +
+                  (of_system != nullptr ? of_system->code().message() : error.what()));
   }
+  removeMade();
 }
 
 ResultFolder::~ResultFolder() {
-  if (!made_) {
+  removeMade();
+}
+
+void ResultFolder::removeMade() noexcept {
+  if (!std::exchange(made_, false)) {
     return;
   }
   for (const fs::path& folder : missing_) {

@@ -10,7 +10,7 @@
 
 namespace patella::diagnose {
 
-/// A folder for results, made if need be once they are there.
+/// A folder for results, tried out at once and made if need be when they are there.
 class ResultFolder {
  public:
   /// Throws app::FileError where it could not be one.
@@ -23,6 +23,8 @@ class ResultFolder {
   void write(const std::vector<std::pair<const char*, std::string>>& files);
 
  private:
+  void tryOut(const std::filesystem::path& there);
+  void removeMade() noexcept;
   app::FileError refusal(const std::string& reason) const;
 
   std::filesystem::path path_;

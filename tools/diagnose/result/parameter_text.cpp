@@ -114,7 +114,13 @@ std::string valueWithInterval(double value, const std::array<double, 2>& interva
   if (decimals > kMostDecimals) {
     return fmt::format("{:.4g} [{:.4g}, {:.4g}]", value, interval[0], interval[1]);
   }
-  const int shown = std::max(decimals, 0);
+  // A value within its own uncertainty has a digit all the same, where two more places show one.
+  constexpr int kMorePlaces = 2;
+  int shown = std::max(decimals, 0);
+  const int first_digit = value == 0.0 ? 0 : -static_cast<int>(std::floor(std::log10(std::abs(value))));
+  if (first_digit <= shown + kMorePlaces) {
+    shown = std::max(shown, first_digit);
+  }
   return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", value, shown, interval[0], shown, interval[1], shown);
 }
 

@@ -46,6 +46,13 @@ bool counts(const Doubt& doubt, bool effects) noexcept {
   return against == Against::kEveryAnswer || (against == Against::kEffects) == effects;
 }
 
+std::string partlyExplained(const Diagnosis& diagnosis) {
+  return diagnosis.before.heldout_rms_Nm.empty()
+             ? "What was found explains a part of the residual; the recording is too short to hold a part "
+               "out."
+             : "What was found explains a part of the residual, of the held-out recording as of the rest.";
+}
+
 }  // namespace
 
 const Doubt* decidingDoubt(std::span<const Doubt> doubts, bool effects) noexcept {
@@ -76,7 +83,7 @@ void settle(Diagnosis& diagnosis) {
   if (diagnosis.verdict == Verdict::kEffectFound) {
     for (const Doubt& doubt : diagnosis.doubts) {
       if (doubt.kind == Doubt::kLargeRest) {
-        diagnosis.explanation += " " + doubt.words;
+        diagnosis.explanation = partlyExplained(diagnosis) + " " + doubt.words;
       }
     }
   }
