@@ -30,6 +30,17 @@ DRAWN = """[...document.querySelectorAll("#plots canvas")].map((canvas) => {
   const data = new Uint32Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer);
   return new Set(data).size;
 })"""
+# Name of the file that the button for CSV would save, which holds the ends of the window.
+SAVED_AS = """(() => {
+  const click = HTMLAnchorElement.prototype.click;
+  let name = "";
+  HTMLAnchorElement.prototype.click = function () { name = this.download; };
+  document.getElementById("export-csv").click();
+  HTMLAnchorElement.prototype.click = click;
+  return name;
+})()"""
+TORQUE_LINES = """Object.fromEntries([...document.querySelectorAll('figure[aria-label="Torque, joint 1"] .legend button')].map(
+  (button) => [button.textContent.split(" ")[0], button.dataset.line]))"""
 STATE = 'document.getElementById("state").dataset.state'
 FAULTS = '[...document.querySelectorAll("[data-fault]")].map((node) => node.dataset.fault)'
 LINK = 'document.getElementById("link").textContent'
@@ -133,6 +144,11 @@ def look_at_live_run(browser, check, patella, arguments, folder, pictures):
     time.sleep(0.5)
     colours = browser.evaluate(DRAWN)
     check(len(colours) >= 10 and min(colours[:4]) > 10, f"the plots hold something: colours {colours}")
+    saved = browser.evaluate(SAVED_AS)
+    check(saved.startswith("patella_0.000_"), f"the window of a run that has just begun starts with it: {saved}")
+    lines = browser.evaluate(TORQUE_LINES)
+    check(len({lines.get(name) for name in ("drive", "command", "compensation")} - {None}) == 3,
+          f"torques that lie upon each other have lines of their own: {lines}")
 
     served.process.send_signal(signal.SIGSTOP)
     old, _ = until(browser, f"{KIND} === 'bad'", 2)

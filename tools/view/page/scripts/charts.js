@@ -3,13 +3,17 @@ const CAN_PLOT = typeof uPlot !== "undefined";
 const DEGREES = 180 / Math.PI;
 const HEIGHT = 190;
 const LARGEST_DASHED = 64; // ticks a bucket
+const DASHES = { dash: [6, 4], dot: [2, 3] };
 
 /** Numbers of the joints that the run has. */
 function jointsOf(history) {
   return [1, 2, 3, 4, 5, 6, 7, 8].filter((joint) => history.indexOf.has(`q${joint}_rad`));
 }
 
-/** Curves of a plot: column, words, and "dash" for what is wished rather than measured. */
+/**
+ * Curves of a plot: column, words, and how its line is told from others that it lies upon: "wide" for what they lie upon,
+ * "dash" for what is wished rather than measured, "dot" for what is added to it.
+ */
 function plotsOf(history) {
   const joints = jointsOf(history);
   const plots = [];
@@ -18,15 +22,15 @@ function plotsOf(history) {
   };
   row("Angle", "°", DEGREES, (j) => [[`q${j}_rad`, "measured"], [`ref${j}_rad`, "reference", "dash"]]);
   row("Torque", "N·m", 1, (j) => [
-    [`tau${j}_Nm`, "drive"], [`tau_cmd${j}_Nm`, "command", "dash"], [`tau_gravity${j}_Nm`, "gravity"], [`tau_model${j}_Nm`, "model"],
-    [`tau_emg${j}_Nm`, "EMG"], [`tau_impedance${j}_Nm`, "impedance"], [`tau_compensation${j}_Nm`, "compensation"],
+    [`tau${j}_Nm`, "drive", "wide"], [`tau_cmd${j}_Nm`, "command", "dash"], [`tau_gravity${j}_Nm`, "gravity"], [`tau_model${j}_Nm`, "model"],
+    [`tau_emg${j}_Nm`, "EMG"], [`tau_impedance${j}_Nm`, "impedance"], [`tau_compensation${j}_Nm`, "compensation", "dot"],
   ]);
   row("Unknown acceleration f_u", "rad/s²", 1, (j) => [
     [`f_s_filtered${j}_rad_s2`, "sampler"], [`f_network${j}_rad_s2`, "network"], [`f_true${j}_rad_s2`, "true", "dash"],
   ]);
   const channels = [1, 2, 3, 4];
   plots.push({ title: "EMG", unit: "mV", factor: 1, curves: channels.map((i) => [`emg${i}_mV`, `channel ${i}`]) });
-  plots.push({ title: "Activation", unit: "1", factor: 1, curves: channels.map((i) => [`activation${i}`, `channel ${i}`]) });
+  plots.push({ title: "Activation", unit: "0 rest to 1 full", factor: 1, curves: channels.map((i) => [`activation${i}`, `channel ${i}`]) });
   for (const plot of plots) plot.curves = plot.curves.filter(([column]) => history.indexOf.has(column));
   return plots.filter(({ curves }) => curves.length > 0);
 }
@@ -76,6 +80,7 @@ class Chart {
     const value = element("span", { class: "value" }, "–");
     const button = element("button", { type: "button", "aria-pressed": "true", title: "Show or hide" }, `${words} `, value);
     button.style.setProperty("--colour", `var(--c${i})`);
+    button.dataset.line = this.curves[i][2] ?? "plain";
     button.onclick = () => {
       this.hidden[i] = !this.hidden[i];
       button.setAttribute("aria-pressed", String(!this.hidden[i]));
@@ -88,8 +93,8 @@ class Chart {
   /** Makes the plot, once the figure has its place and width. */
   open() {
     if (!CAN_PLOT) return;
-    const series = this.curves.map(([, label, dash], i) => ({
-      label, stroke: () => styleOf(`--c${i}`), width: 1, points: { show: false }, show: false,
+    const series = this.curves.map(([, label, line], i) => ({
+      label, stroke: () => styleOf(`--c${i}`), width: line === "wide" ? 3 : 1, points: { show: false }, show: false,
     }));
     this.plot = new uPlot({
       width: this.frame.clientWidth, height: HEIGHT, legend: { show: false }, pxAlign: false,
@@ -137,7 +142,7 @@ class Chart {
     const curves = this.columns.map((column, i) =>
       this.shown[i] && !this.hidden[i] ? this.history.curve(column, shared, this.factor) : new Array(shared.times.length).fill(null));
     // Dashes of a curve that stands for many ticks a pixel cost much and show nothing.
-    this.curves.forEach(([, , dash], i) => (this.plot.series[i + 1].dash = dash && shared.size <= LARGEST_DASHED ? [6, 4] : null));
+    this.curves.forEach(([, , line], i) => (this.plot.series[i + 1].dash = shared.size <= LARGEST_DASHED ? DASHES[line] ?? null : null));
     this.plot.batch(() => {
       this.plot.setData([shared.times, ...curves], false);
       this.plot.setScale("x", { min: from, max: to });

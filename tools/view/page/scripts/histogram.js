@@ -36,7 +36,7 @@ class Histogram {
       p999 = second[`${this.stem}_p99_9_us`];
       most = Math.max(second[`${this.stem}_max_us`], Number.isNaN(most) ? 0 : most);
     }
-    const words = Number.isFinite(most) ? `99.9 % within ${p999.toFixed(1)} µs in the last second; longest ${most.toFixed(1)} µs of ${seconds.length} s` : "not known yet";
+    const words = Number.isFinite(most) ? `99.9 % within ${p999.toFixed(1)} µs in the last second; longest in the ${seconds.length} s shown: ${most.toFixed(1)} µs` : "not known yet";
     if (this.text.textContent !== words) this.text.textContent = words;
     if (!this.plot) return;
     this.last = Math.max(counts.findLastIndex((count) => count > 0), 12);

@@ -2,6 +2,7 @@
 const TOO_OLD_MS = 500;
 const TELL_MS = 200;
 const SHORTEST_PICTURE_MS = 24; // every second turn of a screen with 60 a second
+const SHORTEST_WINDOW_S = 1;
 const OTHER_CLOCK_MS = 86_400_000; // stamps further off than that are of virtual time
 
 class Run {
@@ -118,7 +119,9 @@ class Run {
   window() {
     if (this.held) return this.held;
     const to = this.live ? this.history.newest : this.source.at;
-    return { from: to - this.length, to };
+    // Before the run there is nothing to see; a run that has just begun has a second of its own.
+    const start = this.live ? 0 : this.source.start_s;
+    return { from: Math.max(to - this.length, start), to: Math.max(to, start + SHORTEST_WINDOW_S) };
   }
   hold(from, to) {
     this.held = { from, to };
