@@ -309,4 +309,6 @@ TEST_CASE("remarks name what is not guarded, not reported, and in no known unit"
   CHECK(
       contains(remarks(rigDatabase(), geared),
                "scale 0.02 of signal 'Position' of message 'Encoder1' ('rad') stands as given: gear of 50"));
+  CHECK(contains(remarks(withUnit("Encoder1", "Position", ""), geared),
+                 "of message 'Encoder1' (without a unit) stands as given: gear of 50"));
 }

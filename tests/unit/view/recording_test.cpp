@@ -10,6 +10,7 @@
 #include "firmware_app/formats/little_endian.hpp"
 #include "firmware_app/formats/tick_message.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/view/log_replay.hpp"
 
 using namespace patella;
 
@@ -89,4 +90,18 @@ TEST_CASE("a folder without a tick is no recording, and what is no number is nam
   CHECK(read().find("ticks.csv:3: column 'q1_rad': value 'x', expected a number") != std::string::npos);
   app::writeFile(folder / "ticks.csv", "t_s,q1_rad\n0,1\n1e9,1\n");
   CHECK(read().find("more than a week") != std::string::npos);
+}
+
+TEST_CASE(
+    "a log that cannot be played is refused with what the loop said, without its name and in one line") {
+  const test::ScratchFolder folder;
+  // The loop is looked for beside this program.
+  const std::filesystem::path loop =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "patella";
+  app::writeFile(loop, "#!/bin/sh\necho 'patella: loop.toml:3: no such key' >&2\nexit 1\n");
+  std::filesystem::permissions(loop, std::filesystem::perms::owner_all);
+  const std::string message =
+      test::messageOf<app::FileError>([&] { const view::LogReplay replay(folder / "x.log", "loop.toml"); });
+  std::filesystem::remove(loop);
+  CHECK(message == (folder / "x.log").string() + ": cannot be played: loop.toml:3: no such key");
 }
