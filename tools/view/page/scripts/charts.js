@@ -94,7 +94,7 @@ class Chart {
   open() {
     if (!CAN_PLOT) return;
     const series = this.curves.map(([, label, line], i) => ({
-      label, stroke: () => styleOf(`--c${i}`), width: line === "wide" ? 3 : 1, points: { show: false }, show: false,
+      label, stroke: () => styleOf(`--c${i}`), width: line === "wide" ? 4 : 1, alpha: line === "wide" ? 0.4 : 1, points: { show: false }, show: false,
     }));
     this.plot = new uPlot({
       width: this.frame.clientWidth, height: HEIGHT, legend: { show: false }, pxAlign: false,
