@@ -45,17 +45,14 @@ void RigThread::stop() noexcept {
 std::size_t RigThread::receive(std::span<can::Frame> frames,
                                std::int64_t now_ns) noexcept PATELLA_NONBLOCKING {
   errors_.beginReceive();
-  arrivals_.begin(now_ns, now_ns + wall_step_ns_.load(std::memory_order_relaxed));
   std::size_t count = 0;
   while (count < frames.size() && to_loop_.pop(frames[count])) {
     can::Frame& frame = frames[count++];
-    frame.monotonic_ns = arrivals_.of(frame.wall_ns);
     frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
+    frame.age_ns = std::max<std::int64_t>(now_ns - frame.monotonic_ns, 0);
+    frame.monotonic_ns = now_ns;
     errors_.observe(frame, statistics_[frame.bus]);
     statistics_[frame.bus].frames_received += frame.error ? 0U : 1U;
-  }
-  if (count < frames.size()) {
-    arrivals_.emptied();
   }
   return count;
 }
@@ -98,7 +95,6 @@ void RigThread::run() noexcept {
       rig_.accept(frame);
     }
     rig_.advance(instant_ns);
-    wall_step_ns_.store(rig_.wallStep_ns(), std::memory_order_relaxed);
     while (rig_.pop(frame)) {
       if (!to_loop_.push(frame)) {
         dropped_.fetch_add(1, std::memory_order_relaxed);

@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "core/spsc_ring.hpp"
-#include "drivers/can/arrival_clock.hpp"
 #include "drivers/can/bus.hpp"
 #include "drivers/can/error_monitor.hpp"
 #include "drivers/clock/clock.hpp"
@@ -57,8 +56,6 @@ class RigThread final : public can::Bus {
   SpscRing<can::Frame> to_rig_;
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> running_{false};
-  std::atomic<std::int64_t> wall_step_ns_{0};
-  can::ArrivalClock arrivals_;   // the loop thread's
   can::BusCounters statistics_;  // the loop thread's
   can::ErrorMonitor errors_;     // likewise
   std::thread thread_;

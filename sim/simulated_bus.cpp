@@ -10,8 +10,7 @@ std::size_t SimulatedBus::receive(std::span<can::Frame> frames,
   std::size_t count = 0;
   while (count < frames.size() && rig_.pop(frames[count])) {
     can::Frame& frame = frames[count++];
-    frame.monotonic_ns = arrivals_.of(frame.wall_ns);
-    frame.wall_ns = frame.monotonic_ns + wall_offset_ns_;
+    arrivals_.date(frame, now_ns, wall_offset_ns_);
     errors_.observe(frame, statistics_[frame.bus]);
     statistics_[frame.bus].frames_received += frame.error ? 0U : 1U;
   }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "drivers/can/can_frame.hpp"
+
 namespace patella::can {
 
 /// The kernel stamps a frame by the wall clock, which somebody may set while the loop runs. A stamp therefore
@@ -21,6 +23,14 @@ class ArrivalClock {
     const std::int64_t arrival_ns = now_ns_ - (wall_now_ns_ - wall_ns);
     newest_ns_ = std::max(std::min(arrival_ns, now_ns_), std::max(newest_ns_, empty_ns_));
     return newest_ns_;
+  }
+  /// Turns the stamp of a frame that was taken off at `now_ns` into its age and its steady stamp, by the wall
+  /// clock that is ahead of the loop's by `offset_ns`.
+  void date(Frame& frame, std::int64_t now_ns, std::int64_t offset_ns) noexcept {
+    const std::int64_t arrival_ns = of(frame.wall_ns);
+    frame.monotonic_ns = now_ns;
+    frame.age_ns = now_ns - arrival_ns;
+    frame.wall_ns = arrival_ns + offset_ns;
   }
   /// All that was in the queue has been read: what comes later arrives after begin()'s instant.
   void emptied() noexcept { empty_ns_ = now_ns_; }

@@ -28,10 +28,12 @@ struct Frame {
   std::uint8_t length = 0;  ///< bytes of data in use
   std::uint8_t bus = 0;     ///< on which of the loop's buses it travels, from 0
   std::array<std::uint8_t, kMaxDataLength> data{};
-  /// Loop clock when the frame arrived or was sent; staleness is judged by it.
+  /// Loop clock of the tick in which the frame was taken off or put on the bus; silence is judged by it.
   std::int64_t monotonic_ns = 0;
-  /// The same instant in nanoseconds since 1970, as the wall clock stood when the run began: periods are
-  /// counted by it, so setting that clock does not change it. Of a log that was played: the recorded stamp.
+  /// For how long it had been there when it was taken off; 0 where that is not known.
+  std::int64_t age_ns = 0;
+  /// Arrival in nanoseconds since 1970, as the wall clock stood when the run began: periods are counted by
+  /// it, so setting that clock does not change it. Of a log that is played: the recorded stamp.
   std::int64_t wall_ns = 0;
 };
 

@@ -149,8 +149,10 @@ void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const 
     storeInput(message, frame, input, values[i]);
     seen_[static_cast<std::size_t>(input.input)][input.index] = true;
     stored_ns_[static_cast<std::size_t>(input.input)][input.index] = frame.monotonic_ns;
-    if (input.input == Input::kPosition)
+    if (input.input == Input::kPosition) {
+      arrived_ns_[input.index] = frame.monotonic_ns - frame.age_ns;
       measurement_.encoder_wall_ns = frame.wall_ns;
+    }
   }
 }
 
@@ -251,8 +253,7 @@ BusSet MeasurementDecoder::stale(InputGroup group, std::int64_t now_ns) const no
 Reading MeasurementDecoder::finish(std::int64_t now_ns) noexcept {
   measurement_.encoder_steps = encoder_samples_.take();
   measurement_.emg_steps = emg_samples_.take();
-  const auto& positions_ns = stored_ns_[static_cast<std::size_t>(Input::kPosition)];
-  measurement_.encoder_monotonic_ns = *std::min_element(positions_ns.begin(), positions_ns.begin() + joints_);
+  measurement_.encoder_monotonic_ns = *std::min_element(arrived_ns_.begin(), arrived_ns_.begin() + joints_);
   safety::FaultSet faults;
   BusSet fault_buses = 0;
   const auto fault = [&](safety::Fault what, BusSet buses) {

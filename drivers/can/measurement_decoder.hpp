@@ -150,6 +150,7 @@ class MeasurementDecoder {
     std::int64_t wall_ns = 0, monotonic_ns = 0;  ///< of the frame that it was counted by
   };
   std::array<std::array<Sample, kMaxIndex>, kInputCount> samples_{};  ///< of positions and EMG
+  std::array<std::int64_t, kMaxJoints> arrived_ns_{};  ///< of each joint's position, on the loop's clock
   SampleSet<kMaxJoints> encoder_samples_;
   SampleSet<kMaxEmgChannels> emg_samples_;
   Measurement measurement_;

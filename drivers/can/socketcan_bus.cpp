@@ -134,7 +134,7 @@ struct SocketCanBus::State {
   State();
   void configure(const std::string& interface, const SocketCanOptions& options);
   void attach(const std::string& interface, const SocketCanOptions& options);
-  std::size_t receiveBatch(std::span<Frame> frames) noexcept;
+  std::size_t receiveBatch(std::span<Frame> frames, std::int64_t now_ns) noexcept;
   void takeControl(msghdr& header, Frame& frame) noexcept;
 };
 
@@ -224,7 +224,7 @@ void SocketCanBus::State::takeControl(msghdr& header, Frame& frame) noexcept {
   }
 }
 
-std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames) noexcept {
+std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames, std::int64_t now_ns) noexcept {
   const std::size_t wanted = std::min(frames.size(), kBatch);
   for (std::size_t i = 0; i < wanted; ++i) {
     messages[i].msg_hdr.msg_controllen = sizeof(Control);
@@ -246,8 +246,7 @@ std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames) noexcept 
     unpack(buffers[i], messages[i].msg_len == CANFD_MTU, frame);
     frame.own = (messages[i].msg_hdr.msg_flags & MSG_CONFIRM) != 0;
     takeControl(messages[i].msg_hdr, frame);
-    frame.monotonic_ns = arrivals.of(frame.wall_ns);
-    frame.wall_ns = frame.monotonic_ns + wall_offset_ns;
+    arrivals.date(frame, now_ns, wall_offset_ns);
     errors.observe(frame, statistics);
     if (frame.error)
       continue;
@@ -278,7 +277,7 @@ std::size_t SocketCanBus::receive(std::span<Frame> frames, std::int64_t now_ns) 
   while (count < frames.size()) {
     const bool was_down = state_->interface_down;
     const std::size_t wanted = std::min(frames.size() - count, kBatch);
-    const std::size_t got = state_->receiveBatch(frames.subspan(count));
+    const std::size_t got = state_->receiveBatch(frames.subspan(count), now_ns);
     count += got;
     // The report of an interface that went down may stand before frames.
     const bool just_went_down = got == 0 && state_->interface_down && !was_down;

@@ -13,6 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "drivers/signal_stack.hpp"
+
 namespace patella::files {
 namespace {
 
@@ -96,6 +98,10 @@ void watch() {
     std::filesystem::remove_all(path, ignored);
   }
   std::signal(signal, SIG_DFL);
+  sigset_t deadly;
+  sigemptyset(&deadly);
+  sigaddset(&deadly, signal);
+  pthread_sigmask(SIG_UNBLOCK, &deadly, nullptr);
   raise(signal);
 }
 
@@ -143,7 +149,7 @@ CleanEnd::CleanEnd() {
     const std::scoped_lock lock(unkept().mutex);
     leaveToParent(unkept());
   }
-  thread_ = std::thread(watch);
+  thread_ = startThread(watch);
   for (const int signal : kInterruptions) {
     struct sigaction action {};
     sigaction(signal, nullptr, &action);

@@ -83,8 +83,8 @@ std::vector<Row> rows() {
   return {
       {"`drive_not_following`", "ms", [] { return drive(Fault::kDriveNotFollowing, 60.0); }},
       {"`drive_over_torque`", "ms", [] { return drive(Fault::kDriveOverTorque, 260.0); }},
-      {"`frame_corrupt`, `frame_sequence`, `encoder_implausible`, of each message", "frames",
-       [] { return frames(); }},
+      {"`frame_corrupt`, `frame_sequence`, `encoder_implausible`, `frame_implausible`, of each message",
+       "frames", [] { return frames(); }},
       {"`model_mismatch`", "ms", [] { return motion(Fault::kModelMismatch); }},
       {"`following_error`", "ms", [] { return motion(Fault::kFollowingError); }},
       {"`torque_limit`", "ms",

@@ -91,6 +91,7 @@ TEST_CASE("a tick sees the sample of its own instant, and its command acts from 
   REQUIRE(encoder.matches(frames[0]));
   CHECK(frames[0].wall_ns == 8 * kMillisecond_ns + 5'000);
   CHECK(frames[0].monotonic_ns == 8 * kMillisecond_ns + 200);
+  CHECK(frames[0].age_ns == 200);
   // 1 ms of 1 N·m on the paper leg's hip adds a rate of inverse inertia times a millisecond.
   const model::PlanarTwoLink leg(model::paperLeg().parameters);
   const JointMatrix inertia = leg.inertia(rig.plant().state().q);
