@@ -10,7 +10,8 @@ std::size_t SimulatedBus::receive(std::span<can::Frame> frames,
   std::size_t count = 0;
   while (count < frames.size() && rig_.pop(frames[count])) {
     can::Frame& frame = frames[count++];
-    arrivals_.date(frame, now_ns, wall_offset_ns_);
+    frame.monotonic_ns = now_ns;
+    arrivals_.date(frame, wall_offset_ns_);
     errors_.observe(frame, statistics_[frame.bus]);
     statistics_[frame.bus].frames_received += frame.error ? 0U : 1U;
   }

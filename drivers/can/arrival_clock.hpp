@@ -13,23 +13,22 @@ namespace patella::can {
 /// counts as an age only, and an age only as far as the frame can be old: since its queue was last empty.
 class ArrivalClock {
  public:
-  /// The queue is about to be read: `now_ns` of the loop's clock is `wall_now_ns` of the wall's.
+  /// The queue is about to be read: `now_ns` of the monotonic clock is `wall_now_ns` of the wall's.
   void begin(std::int64_t now_ns, std::int64_t wall_now_ns) noexcept {
     now_ns_ = now_ns;
     wall_now_ns_ = wall_now_ns;
   }
-  /// Arrival on the loop's clock of a frame with this stamp, not before that of the frame before.
+  /// Arrival on the monotonic clock of a frame with this stamp, not before that of the frame before.
   std::int64_t of(std::int64_t wall_ns) noexcept {
     const std::int64_t arrival_ns = now_ns_ - (wall_now_ns_ - wall_ns);
     newest_ns_ = std::max(std::min(arrival_ns, now_ns_), std::max(newest_ns_, empty_ns_));
     return newest_ns_;
   }
-  /// Turns the stamp of a frame that was taken off at `now_ns` into its age and its steady stamp, by the wall
-  /// clock that is ahead of the loop's by `offset_ns`.
-  void date(Frame& frame, std::int64_t now_ns, std::int64_t offset_ns) noexcept {
+  /// Turns the stamp of a frame into its age and its steady stamp, by a wall clock that is ahead by
+  /// `offset_ns`.
+  void date(Frame& frame, std::int64_t offset_ns) noexcept {
     const std::int64_t arrival_ns = of(frame.wall_ns);
-    frame.monotonic_ns = now_ns;
-    frame.age_ns = now_ns - arrival_ns;
+    frame.age_ns = now_ns_ - arrival_ns;
     frame.wall_ns = arrival_ns + offset_ns;
   }
   /// All that was in the queue has been read: what comes later arrives after begin()'s instant.

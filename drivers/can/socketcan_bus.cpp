@@ -246,7 +246,8 @@ std::size_t SocketCanBus::State::receiveBatch(std::span<Frame> frames, std::int6
     unpack(buffers[i], messages[i].msg_len == CANFD_MTU, frame);
     frame.own = (messages[i].msg_hdr.msg_flags & MSG_CONFIRM) != 0;
     takeControl(messages[i].msg_hdr, frame);
-    arrivals.date(frame, now_ns, wall_offset_ns);
+    frame.monotonic_ns = now_ns;
+    arrivals.date(frame, wall_offset_ns);
     errors.observe(frame, statistics);
     if (frame.error)
       continue;
@@ -271,7 +272,7 @@ std::size_t SocketCanBus::receive(std::span<Frame> frames, std::int64_t now_ns) 
   state_->errors.beginReceive();
   {
     const KernelCall never_waits;
-    state_->arrivals.begin(now_ns, read(CLOCK_REALTIME));
+    state_->arrivals.begin(read(CLOCK_MONOTONIC), read(CLOCK_REALTIME));
   }
   std::size_t count = 0;
   while (count < frames.size()) {

@@ -134,6 +134,21 @@ TEST_CASE("CAN FD frames keep their length and bit-rate switch") {
   CHECK(sameContent(received[0], frame));
 }
 
+TEST_CASE("a frame that waited in the socket is as old as it waited") {
+  SocketCanBus here(kInterface);
+  SocketCanBus there(kInterface);
+  std::array<Frame, 16> frames;
+  here.receive(frames, 0);
+  Frame frame = makeFrame(0x110, 8, 1);
+  REQUIRE(there.send(frame, 0) == SendResult::kSent);
+  constexpr std::chrono::milliseconds kWaited{20};
+  std::this_thread::sleep_for(kWaited);
+  REQUIRE(here.receive(frames, 7) == 1);
+  CHECK(frames[0].monotonic_ns == 7);
+  CHECK(frames[0].age_ns >= std::chrono::nanoseconds(kWaited).count() / 2);
+  CHECK(frames[0].age_ns < 50 * std::chrono::nanoseconds(kWaited).count());
+}
+
 TEST_CASE("echoes are flagged, and their stamps and those of others' frames are of one clock") {
   SocketCanBus here(kInterface);
   SocketCanBus there(kInterface);
