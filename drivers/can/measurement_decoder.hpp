@@ -48,7 +48,7 @@ struct Reading {
 /// operator_reset, true_f_u.J.
 ///
 /// A frame that fails by CRC, repeats its counter or holds a value out of range changes no input. A value
-/// that is only recorded becomes NaN where it is out of range.
+/// that is only recorded becomes NaN where it is out of range; f_u of a simulated rig stays as it was.
 class MeasurementDecoder {
  public:
   /// Throws std::invalid_argument naming input, message or signal, and what exists; also where

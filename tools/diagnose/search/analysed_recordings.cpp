@@ -18,6 +18,9 @@ DatasetOptions inMotionBand(std::span<const Recording> recordings, bool asked_pa
 // What lies between the sinusoids of a torque was asked for as well where the model explains it: the motion
 // repeats too seldom for sinusoids to be told apart, or not at all.
 void askForMotionBetweenLines(Dataset& train) {
+  if (train.isStatic()) {
+    return;  // postures follow no motion
+  }
   const Column torque = train.driveTorque();
   const Column between =
       torque - train.column([](const Series& series, std::size_t i) { return series.asked_torque_Nm[i]; });
