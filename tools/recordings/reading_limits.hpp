@@ -50,6 +50,23 @@ inline double longestBridge_s(double step_s) {
 }
 }  // namespace gaps
 
+/// Signals that a faster recorder repeats until their next sample.
+namespace repeated_samples {
+/// Steps of its resolution that a signal has to change by, so that a change tells of a sample: an encoder that
+/// moves slowly stands still for rows, too.
+inline constexpr double kResolutions = 3.0;
+/// Such changes that are needed to tell a pace.
+inline constexpr std::size_t kFewest = 50;
+/// Share of them that may follow at once, as after a sample that was lost and filled in.
+inline constexpr double kMostAtOnce = 0.02;
+/// Share of the pace by which two clocks that drift past each other may move a sample, at least one row.
+inline constexpr double kPace = 0.25;
+/// Share of the changes that has to keep this pace: a torque that steps at random keeps none.
+inline constexpr double kRegular = 0.8;
+/// Drives are told and asked at this rate and above; a torque that steps more slowly is a test's staircase.
+inline constexpr double kSlowestTorque_Hz = 40.0;
+}  // namespace repeated_samples
+
 /// Units of time.
 namespace time_units {
 /// A leg's dynamics are over in fractions of a second: stamps so far apart are not seconds, or of no use.

@@ -14,6 +14,7 @@
 #include "tools/recordings/outliers.hpp"
 #include "tools/recordings/reading_limits.hpp"
 #include "tools/recordings/recorded_emg.hpp"
+#include "tools/recordings/repeated_samples.hpp"
 #include "tools/recordings/sample_clock.hpp"
 #include "tools/recordings/time_units.hpp"
 #include "tools/recordings/torque_clipping.hpp"
@@ -393,6 +394,7 @@ Recording makeUniform(RawRecording raw) {
   requireRows(raw, recording.rows(), kFewestRows);
   fillJoints(raw, instants, stretches, recording);
   fillEmg(raw, instants, stretches, recording);
+  readWhereNew(recording);
   return recording;
 }
 

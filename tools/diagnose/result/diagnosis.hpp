@@ -31,11 +31,11 @@ struct Doubt {
     kHeldOutWorse,        ///< what explains the fitted part makes the error of the held-out part larger
     kRestingTorque,       ///< encoder and torque of a joint at rest contradict each other
     kRecordingsDisagree,  ///< recordings that were diagnosed together have no common answer
-    kJointUntold,         ///< next to nothing that acts on a joint would show
     kUnexplained,         ///< what is left bends like no effect of the library
     kOutweighed,          ///< effects were found, but each explains less than what nothing explains
     kSingleSinusoids,     ///< several effects were found under single sinusoids
     kLargeRest,           ///< much more is left than sensors and declared pushes make
+    kJointUntold,         ///< next to nothing that acts on a joint would show
     kJointAtRest,         ///< what is missing on a joint that does not move cannot be told
     kPlainEffectsUnseen,  ///< plain effects of three times the noise would not show
     kSomeRest,            ///< more is left than sensors and declared pushes make, which is not nothing
