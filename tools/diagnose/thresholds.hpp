@@ -68,6 +68,9 @@ inline constexpr double kAsGood = 1.25;
 /// The same on the mean of the joints, for one that leaves no more than machines leave on any: what is left
 /// is then the machine's, and tells conventions apart less well.
 inline constexpr double kAsGoodOfMachines = 1.75;
+/// Share of a joint's range on which its friction comes up after a reversal. It is late then, as a torque
+/// column may be. A mixture of it and of dry friction has the shape of any friction that comes up earlier.
+inline constexpr double kPreslidingShare = 0.01;
 /// Multiple of the inertia that a joint moves up to which a motor's is a plain effect: gears are chosen so
 /// that the two are about alike, and what is more would explain a torque in another unit.
 inline constexpr double kMostMotor = 5.0;

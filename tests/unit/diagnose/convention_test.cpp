@@ -153,6 +153,19 @@ TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint 
   }
 }
 
+TEST_CASE("friction that comes up over the way since a reversal is rubbing, and no torque that comes late") {
+  constexpr double kWay_rad = 0.02, kLevel_Nm = 0.5;
+  Recording recording = swinging();
+  double bristle = 0.0;
+  for (std::size_t i = 1; i < recording.rows(); ++i) {
+    const double step_rad = recording.position_rad[1][i] - recording.position_rad[1][i - 1];
+    bristle += (step_rad - std::abs(step_rad) * bristle) / kWay_rad;
+    recording.torque_Nm[1][i] += kLevel_Nm * bristle;
+  }
+  CHECK(Reader(Dataset(std::span(&recording, 1), kCoarse), arm()).asGiven().error[1] < 0.05);
+  CHECK(wrongIn(recording).empty());
+}
+
 TEST_CASE("effects on a joint that a torque's shift does not explain say nothing against it") {
   constexpr double kSpring_Nm_rad = 1.5;
   Recording recording = swinging();

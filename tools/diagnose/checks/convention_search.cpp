@@ -231,10 +231,6 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
                [&](const ReadAs& one) { return isBelieved(one, given); });
   dropWhatATremorSays(reader, given, wrong);
   keepBest(wrong, given);
-  // Where the recording as given is as good, nothing says that it is wrong.
-  if (!wrong.empty() && asGood({.convention = {}, .reading = given}, wrong.front())) {
-    wrong.clear();
-  }
   if (wrong.empty() ? !leavesAsMachines(given) : !leavesAsMachines(wrong.front().reading)) {
     std::vector<ReadAs> pairs = believedPairs(reader, given, names, all);
     dropWhatATremorSays(reader, given, pairs);

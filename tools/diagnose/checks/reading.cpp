@@ -5,11 +5,12 @@
 #include <limits>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Dense>
 
 #include "tools/diagnose/checks/foreign_line.hpp"
-#include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/checks/plain_columns.hpp"
 #include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -20,27 +21,6 @@ using namespace convention;
 
 /// No column of a position is read for another.
 constexpr std::array<int, 2> kInOrder{-1, -1};
-
-/// Plain effects of a joint: those of elementaryColumns() in their order, and the inertia of its motor.
-enum Plain { kViscous, kCoulomb, kStiffness, kBias, kRotor, kPlainKinds };
-
-// Of all joints, one joint after the other.
-Eigen::MatrixXd plainColumns(const Dataset& data) {
-  const std::vector<ElementaryColumn> elementary = elementaryColumns(data);
-  Eigen::MatrixXd columns(data.rows() * data.joints(), data.joints() * kPlainKinds);
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    for (int kind = 0; kind < kRotor; ++kind) {
-      columns.col(joint * kPlainKinds + kind) =
-          elementary[static_cast<std::size_t>(joint * kRotor + kind)].torque;
-    }
-    columns.col(joint * kPlainKinds + kRotor) = data.column([joint](const Series& series, std::size_t i) {
-      JointVector torque = JointVector::Zero(series.acceleration[i].size());
-      torque[joint] = series.acceleration[i][joint];
-      return torque;
-    });
-  }
-  return columns;
-}
 
 // A quadratic form x'Gx/2 − r'x within ranges. G is symmetric, and any of its columns may be dependent.
 struct Bounded {
@@ -196,7 +176,7 @@ Reader::Fitted Reader::fit(const std::vector<Sums>& sums, Freedom freedom) const
     if (kind == kRotor) {
       const double own_inertia = largest_inertia_[static_cast<std::size_t>(k / kPlainKinds)];
       upper[own + k] = freedom == kAllEffects ? kMostMotor * own_inertia : 0.0;
-    } else if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb) {
+    } else if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb || kind == kPresliding) {
       lower[own + k] = kind == kBias ? -kAny : 0.0;
       upper[own + k] = kAny;
     }
@@ -299,14 +279,7 @@ bool Reader::hasJointThatHardlyBends() const {
     if (model::isPrismatic(model_.mechanism, joint)) {
       continue;
     }
-    double lowest_rad = std::numeric_limits<double>::infinity(), highest_rad = -lowest_rad;
-    for (const Series& series : data_.series()) {
-      for (const model::EffectInput& state : series.states) {
-        lowest_rad = std::min(lowest_rad, state.q[joint]);
-        highest_rad = std::max(highest_rad, state.q[joint]);
-      }
-    }
-    if (highest_rad - lowest_rad < convention::kLeastBend_rad) {
+    if (rangeOf(data_, joint) < convention::kLeastBend_rad) {
       return true;
     }
   }
