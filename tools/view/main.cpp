@@ -134,6 +134,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     }
     options.name = "Patella, " + std::filesystem::weakly_canonical(run).filename().string();
     std::optional<patella::view::LogReplay> replay;
+    if (!config.empty() && std::filesystem::is_directory(run)) {
+      throw std::runtime_error("--config: value '" + config.string() + "' with the folder " + run.string() +
+                               ", expected a log of frames with it: a folder holds what its run was made of");
+    }
     if (std::filesystem::is_regular_file(run)) {
       replay.emplace(run, config);
     }

@@ -1,11 +1,26 @@
 #include "tools/view/subscriptions.hpp"
 
+#include <limits>
+#include <stdexcept>
+
 #include <nlohmann/json.hpp>
 
 #include "firmware_app/files/json_file.hpp"
 #include "firmware_app/formats/little_endian.hpp"
 
 namespace patella::view {
+namespace {
+
+// The protocol's uint32: other numbers would be taken for one that nobody gave.
+std::uint32_t idOf(const nlohmann::json& value) {
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+    throw std::invalid_argument("id " + value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) +
+                                ", expected a whole number from 0 to 4294967295");
+  }
+  return value.get<std::uint32_t>();
+}
+
+}  // namespace
 
 std::string Subscriptions::obey(std::string_view message) {
   std::string complaint;
@@ -14,8 +29,8 @@ std::string Subscriptions::obey(std::string_view message) {
     const auto operation = request.at("op").get<std::string>();
     if (operation == "subscribe") {
       for (const auto& subscription : request.at("subscriptions")) {
-        const auto id = subscription.at("id").get<std::uint32_t>();
-        const auto channel = subscription.at("channelId").get<std::uint64_t>();
+        const std::uint32_t id = idOf(subscription.at("id"));
+        const std::uint32_t channel = idOf(subscription.at("channelId"));
         if (channel >= channels_ || channel_of_.size() >= kMost) {
           complaint = "no such channel, or too many subscriptions";
         } else {
@@ -24,7 +39,7 @@ std::string Subscriptions::obey(std::string_view message) {
       }
     } else if (operation == "unsubscribe") {
       for (const auto& id : request.at("subscriptionIds")) {
-        channel_of_.erase(id.get<std::uint32_t>());
+        channel_of_.erase(idOf(id));
       }
     } else {
       complaint =

@@ -28,6 +28,26 @@ TEST_CASE("what is no request is answered in words, and changes nothing") {
   CHECK(subscriptions.all().empty());
 }
 
+TEST_CASE("a number that is no identifier is not taken for another one") {
+  view::Subscriptions subscriptions(6);
+  for (const char* id : {"-1", "4294967296", "1.5", "1e+30", "true", "null", "\"7\""}) {
+    CAPTURE(id);
+    const std::string as_id =
+        R"({"op":"subscribe","subscriptions":[{"id":)" + std::string(id) + R"(,"channelId":0}]})";
+    CHECK(subscriptions.obey(as_id) ==
+          "not understood: id " + std::string(id) + ", expected a whole number from 0 to 4294967295");
+    const std::string as_channel =
+        R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":)" + std::string(id) + "}]}";
+    CHECK_FALSE(subscriptions.obey(as_channel).empty());
+  }
+  CHECK(subscriptions.all().empty());
+  CHECK(
+      subscriptions.obey(R"({"op":"subscribe","subscriptions":[{"id":4294967295,"channelId":0}]})").empty());
+  CHECK(subscriptions.obey(R"({"op":"unsubscribe","subscriptionIds":[-1]})")
+            .starts_with("not understood: id -1"));
+  CHECK(subscriptions.all().size() == 1);
+}
+
 TEST_CASE("subscriptions do not grow without end") {
   view::Subscriptions subscriptions(6);
   std::string complaint;
