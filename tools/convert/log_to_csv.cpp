@@ -141,6 +141,7 @@ CsvReport convertToCsv(const std::filesystem::path& log, const can::Database& da
       ++report.rows;
     }
   }
+  report.cut_line = reader.cutLine();
   writer.commit();
   return report;
 }

@@ -14,6 +14,7 @@ struct CsvReport {
   std::size_t unknown = 0;   ///< identifiers that the bus description does not have
   std::size_t unusable = 0;  ///< too short, or with a wrong CRC: left out
   std::size_t rows = 0;
+  std::size_t cut_line = 0;  ///< within which the log ends, 0 where it is whole
   std::string row_message;
 };
 

@@ -18,6 +18,7 @@
 #include "tools/convert/run_to_mcap.hpp"
 #include "tools/convert/run_to_opensim.hpp"
 #include "tools/options/number_range.hpp"
+#include "tools/options/output_file.hpp"
 #include "tools/options/run_program.hpp"
 
 namespace {
@@ -35,6 +36,15 @@ struct Arguments {
   std::optional<double> rate_Hz;
   std::string row_message;
 };
+
+// Before anything is read: what is written takes the place of what stood there.
+void requireOtherFile(const Arguments& arguments) {
+  std::vector<std::filesystem::path> inputs = patella::options::filesOfRun(arguments.run);
+  inputs.insert(inputs.end(),
+                {arguments.recording, arguments.log, arguments.map, arguments.broken, arguments.dbc});
+  inputs.insert(inputs.end(), arguments.attached.begin(), arguments.attached.end());
+  patella::options::requireOther("--out", arguments.out, inputs);
+}
 
 void encode(const Arguments& arguments) {
   const auto database = patella::can::loadDbc(arguments.dbc);
@@ -55,7 +65,11 @@ void decode(const Arguments& arguments) {
       patella::convert::convertToCsv(arguments.log, database, arguments.row_message, arguments.out);
   std::cout << arguments.out.string() << ": " << report.rows << " rows, one for each frame of "
             << report.row_message << ", from " << report.frames << " frames; " << report.unknown
-            << " of unknown identifiers, " << report.unusable << " too short or corrupt\n";
+            << " of unknown identifiers, " << report.unusable << " too short or corrupt";
+  if (report.cut_line != 0) {
+    std::cout << "; the log ends within line " << report.cut_line;
+  }
+  std::cout << "\n";
 }
 
 void writeMcap(const Arguments& arguments) {
@@ -153,6 +167,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       throw std::invalid_argument(
           "expected a recording with --map, or one of --decode, --mcap, --recover, --bdf, --sto and --mot");
     }
+    requireOtherFile(arguments);
     if (!mcap->empty()) {
       writeMcap(arguments);
     } else if (!broken->empty()) {

@@ -1,7 +1,9 @@
 #include "tools/convert/run_to_opensim.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <stdexcept>
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tools/convert/run_signals.hpp"
@@ -58,6 +60,13 @@ OpenSimReport convertRunToMot(const std::filesystem::path& run, const std::vecto
     throw app::FileError(run.string() + ": " + std::to_string(names.size()) +
                          " names of coordinates, expected " + std::to_string(signals.signals.size()) +
                          " as the run has joints");
+  }
+  for (std::size_t joint = 1; joint < names.size(); ++joint) {
+    const auto here = names.begin() + static_cast<std::ptrdiff_t>(joint);
+    if (std::find(names.begin(), here, *here) != here) {
+      throw std::invalid_argument("--coordinates: name '" + *here +
+                                  "' appears twice, expected one for each joint");
+    }
   }
   return write(signals, names, mot);
 }

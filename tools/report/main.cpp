@@ -1,6 +1,7 @@
 // patella-report: a run folder as one page of figures and numbers.
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +10,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/files/json_file.hpp"
+#include "tools/options/output_file.hpp"
 #include "tools/options/run_program.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
@@ -39,6 +41,14 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   arguments.add_option("--out", page, "page to write; RUN_DIR/report.html unless given");
   arguments.add_option("--png", picture, "also write all figures as one PNG picture");
   return patella::options::runProgram(arguments, argc, argv, [&] {
+    page = page.empty() ? run / "report.html" : page;
+    const auto recorded = patella::options::filesOfRun(run);
+    patella::options::requireOther("--out", page, recorded);
+    patella::options::requireOther("--png", picture, recorded);
+    if (std::filesystem::weakly_canonical(page) == std::filesystem::weakly_canonical(picture)) {
+      throw std::invalid_argument("--png: value '" + picture.string() +
+                                  "', which is the page's, expected another file");
+    }
     const auto ticks = patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true});
     const nlohmann::json summary = loadSummary(run / "summary.json");
     if (const std::string missing = patella::report::missingTicks(ticks.rows(), summary); !missing.empty()) {
@@ -46,7 +56,6 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     }
     const auto figures = patella::report::makePanels(ticks, summary);
     const std::string title = "Run " + std::filesystem::canonical(run).filename().string();
-    page = page.empty() ? run / "report.html" : page;
     patella::app::writeFile(
         page, patella::report::reportPage(title, figures, patella::report::drawSvg(figures), summary));
     std::cout << page.string() << ": " << figures.size() << " figures, " << ticks.rows() << " ticks\n";

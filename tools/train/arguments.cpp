@@ -29,7 +29,8 @@ void declareInput(CLI::App& app, Arguments& a) {
   app.add_option("--columns", a.recording.columns,
                  "map of the columns of a text or MATLAB file that names them its own way, TOML");
   app.add_option("--dbc", a.recording.dbc,
-                 "bus description of logs of frames, in place of the configuration's");
+                 "bus description of logs of frames, in place of the configuration's")
+      ->check(CLI::ExistingFile);
   app.add_option(
          "--torque", a.torque_timing,
          "held: until the next sample; sampled: what acted at the sample; as the form of the file says "
@@ -72,10 +73,10 @@ void declareSplit(CLI::App& app, Arguments& a) {
          "random: single steps by lot, as the paper; blocked; chronological; recording: whole ones by lot")
       ->check(CLI::IsMember(splitNames()))
       ->capture_default_str();
-  app.add_option("--validation-share", a.split.validation_share)
+  app.add_option("--validation-share", a.split.validation_share, "of the steps")
       ->check(options::numberFrom(0.0, 0.8))
       ->capture_default_str();
-  app.add_option("--test-share", a.split.test_share)
+  app.add_option("--test-share", a.split.test_share, "of the steps")
       ->check(options::numberFrom(0.0, 0.8))
       ->capture_default_str();
   app.add_option("--block-s", a.split.block_s, "length of the blocks of the split of that name")
@@ -119,15 +120,19 @@ void declareTraining(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember(initialisationNames()))
       ->capture_default_str();
   app.add_option("--turn-s", t.turn_s, "within which those gates turn as time passes")->capture_default_str();
-  app.add_option("--loss", a.loss)->check(CLI::IsMember({"squared", "absolute"}))->capture_default_str();
-  app.add_option("--patience", t.patience)->capture_default_str();
+  app.add_option("--loss", a.loss, "what the training makes least")
+      ->check(CLI::IsMember({"squared", "absolute"}))
+      ->capture_default_str();
+  app.add_option("--patience", t.patience, "epochs without a better one, by --stopping validation")
+      ->capture_default_str();
   app.add_option("--epochs", t.epochs, "at most")->capture_default_str();
   app.add_option("--batch", t.batch, "pieces in one step of the optimiser")->capture_default_str();
   app.add_option("--sequence-steps", t.sequence_steps, "of a piece, through which errors are propagated back")
       ->capture_default_str();
   app.add_option("--burn-in", t.burn_in, "first of them, which only fill the memory")->capture_default_str();
-  app.add_option("--learning-rate", t.learning_rate)->capture_default_str();
-  app.add_option("--weight-decay", t.weight_decay)->capture_default_str();
+  app.add_option("--learning-rate", t.learning_rate, "of Adam, at the start")->capture_default_str();
+  app.add_option("--weight-decay", t.weight_decay, "share of the weights that a step of rate 1 takes off")
+      ->capture_default_str();
   app.add_option("--seed", t.seed, "of everything that is drawn by lot")->capture_default_str();
   app.add_option("--threads", t.threads, "the same number gives the same file")->capture_default_str();
 }

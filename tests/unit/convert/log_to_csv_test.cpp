@@ -99,3 +99,15 @@ TEST_CASE("logs that cannot be decoded leave no table") {
   CHECK(messageOf<can::LogError>([&] { convertToCsv(log, bus, "", out); }).starts_with(log + ":7: "));
   CHECK_FALSE(std::filesystem::exists(out));
 }
+
+TEST_CASE("a log that was cut is read up to there, and the line is told") {
+  const ScratchFolder folder;
+  const can::Database bus = test::rigBus();
+  writeLog(folder, bus);
+  CHECK(convertToCsv(folder / "run.log", bus, "Encoder1", folder / "whole.csv").cut_line == 0);
+  const std::string whole = app::readFile(folder / "run.log");
+  app::writeFile(folder / "cut.log", whole.substr(0, whole.size() - 6));
+  const CsvReport report = convertToCsv(folder / "cut.log", bus, "Encoder1", folder / "cut.csv");
+  CHECK(report.frames == 5);
+  CHECK(report.cut_line == 6);
+}
