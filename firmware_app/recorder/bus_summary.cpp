@@ -30,6 +30,16 @@ Json messages(const can::MeasurementDecoder& decoder) {
   return out;
 }
 
+std::string neverReceived(const Json& messages) {
+  std::string names;
+  for (const auto& [name, message] : messages.items()) {
+    if (message["received"] == 0) {
+      names += (names.empty() ? "" : ", ") + name;
+    }
+  }
+  return names;
+}
+
 }  // namespace
 
 void addBuses(const RunConfig& config, const LoopStatistics& loop, const can::Bus& bus,
@@ -65,6 +75,10 @@ std::string busText(const Json& s) {
                       bus["frames_sent"].get<std::uint64_t>(), bus["send_failed"].get<std::uint64_t>(),
                       bus["fault_ticks"].get<std::uint64_t>());
     }
+  }
+  if (const std::string silent = neverReceived(s["bus"]["messages"]);
+      !silent.empty() && s["safety"]["final_state"] == "init") {
+    text += fmt::format("    the loop stayed in init, and never received: {}\n", silent);
   }
   return text;
 }

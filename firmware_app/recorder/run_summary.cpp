@@ -297,6 +297,22 @@ Json summarise(const RunConfig& config, const std::vector<InputFile>& files, con
   return out;
 }
 
+namespace {
+
+// A log that was played to its end, against what the loop said then.
+std::string replayText(const Json& replay) {
+  const auto recorded = replay["recorded_commands"].get<std::uint64_t>();
+  const auto different = replay["different_commands"].get<std::uint64_t>();
+  if (recorded == 0 || replay["frames_played"] != replay["frames"]) {
+    return {};
+  }
+  return different == 0
+             ? fmt::format("  commands: all {} as in the log\n", recorded)
+             : fmt::format("  commands: {} unlike those of the log, which has {}\n", different, recorded);
+}
+
+}  // namespace
+
 std::string summaryText(const Json& s) {
   std::string text =
       fmt::format("{} ticks at {} Hz, backend {}, clock {}, observer {}\n", s["ticks"].get<std::uint64_t>(),
@@ -360,6 +376,9 @@ std::string summaryText(const Json& s) {
         fmt::format("  unknown to the model, rms: {} rad/s², {} N·m\n",
                     perJoint(s["f_s_filtered_rms_rad_s2"], "{:.3f}"), perJoint(s["d_hat_rms_Nm"], "{:.3f}"));
     text += fmt::format("  tracking error rms {} rad\n", perJoint(s["tracking_rms_rad"], "{:.4f}"));
+  }
+  if (s.contains("replay")) {
+    text += replayText(s["replay"]);
   }
   const Json& rec = s["recorder"];
   text += fmt::format("  recorded {} ticks and {} frames, dropped {} and {}\n",

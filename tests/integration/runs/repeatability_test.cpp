@@ -8,6 +8,7 @@
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
+#include "firmware_app/recorder/run_summary.hpp"
 #include "tests/integration/runs/demonstration.hpp"
 
 using namespace patella;
@@ -91,6 +92,34 @@ TEST_CASE("a log played back gives the same estimates and commands to the last b
       CHECK(summaryOf(folder.path() / "replay")["replay"]["different_commands"] == 0);
     }
   }
+}
+
+TEST_CASE("a replay tells whether its commands are those of the log") {
+  const test::ScratchFolder folder;
+  CHECK(app::runLoop(test::demonstration(1.0), folder.path() / "live", kNeverStop) == app::RunStatus::kOk);
+  app::RunConfig config =
+      test::demonstration(0.0, "replay:" + (folder.path() / "live" / "frames.log").string());
+  const auto replayed = [&](const char* name) {
+    app::runLoop(config, folder.path() / name, kNeverStop);
+    return app::summaryText(nlohmann::ordered_json(summaryOf(folder.path() / name)));
+  };
+  const std::string same = replayed("same");
+  CHECK(same.find("  commands: all 1000 as in the log\n") != std::string::npos);
+  CHECK(same.find("never received") == std::string::npos);
+  config.tick.gains.gravity = 0.5;
+  CHECK(replayed("other").find(" unlike those of the log, which has 1000\n") != std::string::npos);
+}
+
+TEST_CASE("a log of another bus leaves the loop in init, with what never came") {
+  const test::ScratchFolder folder;
+  const std::filesystem::path log = folder.path() / "other.log";
+  app::writeFile(log, "(1000000000.000000) can0 7FF#00\n(1000000001.000000) can0 7FF#00\n");
+  CHECK(app::runLoop(test::demonstration(0.0, "replay:" + log.string()), folder.path() / "run", kNeverStop) ==
+        app::RunStatus::kOk);
+  const std::string text = app::summaryText(nlohmann::ordered_json(summaryOf(folder.path() / "run")));
+  CHECK(text.find("    the loop stayed in init, and never received: ") != std::string::npos);
+  CHECK(text.find("Encoder1, Encoder2") != std::string::npos);
+  CHECK(text.find("of the log") == std::string::npos);
 }
 
 TEST_CASE("a run does not overwrite a recording") {
