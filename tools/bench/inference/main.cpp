@@ -201,11 +201,14 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--weights", weights, "trained networks: prints what 16 bits cost each, and times nothing")
       ->check(CLI::ExistingFile);
   app.add_option("--rounds", options.rounds, "turns of every contender")
-      ->check(patella::options::wholeNumberFrom(1, 100000));
+      ->check(patella::options::wholeNumberFrom(1, 100000))
+      ->capture_default_str();
   app.add_option("--hot-steps", options.hot_steps, "timed steps in a hot turn")
-      ->check(patella::options::wholeNumberFrom(1, 10000));
+      ->check(patella::options::wholeNumberFrom(1, 10000))
+      ->capture_default_str();
   app.add_option("--eviction-MB", options.eviction_MB, "memory written to empty the caches")
-      ->check(patella::options::wholeNumberFrom(1, 4096));
+      ->check(patella::options::wholeNumberFrom(1, 4096))
+      ->capture_default_str();
   return patella::options::runProgram(app, argc, argv, [&] {
     if (weights.empty()) {
       run(options);

@@ -162,15 +162,18 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       "or at the same time.",
       "patella-bench-jitter");
   Arguments arguments;
-  app.add_option("--loop", arguments.loop, "the program patella");
-  app.add_option("--config", arguments.config, "run configuration of the loop");
-  app.add_option("--backend", arguments.backend, "of the loop: sim, or can:INTERFACE");
+  app.add_option("--loop", arguments.loop, "the program patella")->capture_default_str();
+  app.add_option("--config", arguments.config, "run configuration of the loop")->capture_default_str();
+  app.add_option("--backend", arguments.backend, "of the loop: sim, or can:INTERFACE")->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "of a turn")
-      ->check(patella::options::numberFrom(0.1, 86400.0));
+      ->check(patella::options::numberFrom(0.1, 86400.0))
+      ->capture_default_str();
   app.add_option("--rounds", arguments.rounds, "turns of each program")
-      ->check(patella::options::wholeNumberFrom(1, 10000));
+      ->check(patella::options::wholeNumberFrom(1, 10000))
+      ->capture_default_str();
   app.add_option("--priority", arguments.priority, "SCHED_FIFO; the configuration must say the same")
-      ->check(patella::options::wholeNumberFrom(1, 99));
+      ->check(patella::options::wholeNumberFrom(1, 99))
+      ->capture_default_str();
   CLI::Option* cpus =
       app.add_option("--cpus", arguments.cpus, "processors that both are bound to, as 2,3; empty: any");
   app.add_option(
@@ -182,7 +185,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       ->check(patella::options::wholeNumberFrom(0, 1023))
       ->excludes(cpus);
   app.add_option("--rate", arguments.rate_Hz, "wake-ups a second")
-      ->check(patella::options::wholeNumberFrom(1, 20000));
+      ->check(patella::options::wholeNumberFrom(1, 20000))
+      ->capture_default_str();
   app.add_flag("--load", arguments.loaded, "a second time under stress-ng");
   app.add_option("--out", arguments.out, "folder for jitter.csv, jitter.png and what the programs print")
       ->required();
