@@ -17,7 +17,8 @@ def columns(file):
     with open(file, newline="") as stream:
         reader = csv.reader(stream)
         names = next(reader)
-        rows = [[float(field) if field else math.nan for field in row] for row in reader]
+        # A run that was cut off may end within a row.
+        rows = [[float(field) if field else math.nan for field in row] for row in reader if len(row) == len(names)]
     return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 

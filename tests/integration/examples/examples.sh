@@ -51,6 +51,11 @@ run=$scratch/run
 read=$(python3 "$source_dir/docs/examples/read_run.py" "$run")
 echo "$read"
 grep -q "^patella $version: 2000 ticks, [1-9][0-9]* of them active$" <<<"$read" || fail "read_run.py counts other ticks"
+mkdir "$scratch/cut"
+cp "$run"/summary.json "$scratch/cut"
+head -c -20 "$run/ticks.csv" >"$scratch/cut/ticks.csv"
+grep -q "^patella $version: 1999 ticks" <<<"$(python3 "$source_dir/docs/examples/read_run.py" "$scratch/cut" 2>&1)" ||
+  fail "read_run.py does not read a run that was cut off"
 ! absent=$(python3 "$source_dir/docs/examples/read_run.py" "$scratch/absent" 2>&1) || fail "read_run.py took a folder that is not there"
 [[ $absent == "read_run.py: $scratch/absent: "*"expected the folder of a run"* ]] || fail "read_run.py said: $absent"
 
