@@ -62,19 +62,30 @@ class DefaultFolder {
   std::filesystem::path path_;
 };
 
+// A variable of the shell that was never set, by no other name than the option's.
+std::string requireName(const std::string& name) {
+  return name.empty() ? "'', expected a file" : "";
+}
+
 void addCommon(CLI::App& command, patella::app::CommandLine& line) {
-  command.add_option("--config", line.config, "run configuration, TOML")->required();
+  command.add_option("--config", line.config, "run configuration, TOML")->required()->check(requireName);
   command.add_option(
       "--backend", line.backend,
       "sim, can:INTERFACE or replay:LOG; of several buses can, or can:INTERFACE,INTERFACE; wins over the "
       "configuration");
-  command.add_option("--model", line.model, "model of the leg, TOML; wins over the configuration");
-  command.add_option(
-      "--rig-model", line.rig_model,
-      "what the simulated rig really is, TOML; wins over the configuration, which --model does not touch");
-  command.add_option("--reference", line.reference,
-                     "reference motion, TOML with what [reference] holds; wins over it");
-  command.add_option("--weights", line.weights, "network, safetensors; wins over the configuration");
+  command.add_option("--model", line.model, "model of the leg, TOML; wins over the configuration")
+      ->check(requireName);
+  command
+      .add_option(
+          "--rig-model", line.rig_model,
+          "what the simulated rig really is, TOML; wins over the configuration, which --model does not touch")
+      ->check(requireName);
+  command
+      .add_option("--reference", line.reference,
+                  "reference motion, TOML with what [reference] holds; wins over it")
+      ->check(requireName);
+  command.add_option("--weights", line.weights, "network, safetensors; wins over the configuration")
+      ->check(requireName);
   command.add_flag("--require-rt", line.require_rt, "refuse a host that cannot keep time");
 }
 
@@ -99,7 +110,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   run.add_option("--clock", line.clock,
                  "monotonic, or virtual: as fast as the machine allows, repeatable to the bit");
   run.add_option("--seed", line.seed, "of the simulated rig");
-  run.add_option("--faults", line.faults, "script of faults, TOML: what goes wrong in rig, bus and host");
+  run.add_option("--faults", line.faults, "script of faults, TOML: what goes wrong in rig, bus and host")
+      ->check(requireName);
   run.add_option("--out", folder, "folder for the recording; must not hold one (default: runs/DATE-TIME)")
       ->check([](const std::string& name) { return name.empty() ? "'', expected a folder" : ""; });
   run.footer("Exit status: 0 done, 1 could not start, 3 ended in a latched stop, 4 recording failed.");

@@ -13,8 +13,9 @@ namespace {
 void requireInterface(const std::string& name, const BusSettings& bus) {
   if (name.empty() || name.size() > can::kMaxInterfaceName ||
       name.find_first_of(" \t/") != std::string::npos) {
-    throw std::invalid_argument("value '" + name + "' for bus '" + bus.name +
-                                "', expected the name of an interface, of at most " +
+    const std::string of = bus.name.empty() ? "" : " for bus '" + bus.name + "'";  // the only one has no name
+    throw std::invalid_argument("value '" + name + "'" + of +
+                                ", expected the name of an interface, of at most " +
                                 std::to_string(can::kMaxInterfaceName) + " characters");
   }
 }

@@ -124,10 +124,18 @@ TEST_CASE("no name of a folder") {
   expectRefusedWith({"--out", ""}, {"--out: '', expected a folder"});
 }
 
+TEST_CASE("no name of a file") {
+  for (const std::string option : {"--model", "--rig-model", "--reference", "--weights", "--faults"}) {
+    CAPTURE(option);
+    expectRefusedWith({option, ""}, {option + ": '', expected a file"});
+  }
+}
+
 TEST_CASE("an interface that there is not") {
   expectRefusedWith({"--clock", "monotonic", "--backend", "can:nosuch0"}, {"nosuch0"});
-  expectRefusedWith({"--clock", "monotonic", "--backend", "can:a_name_longer_than_the_kernel_allows"},
-                    {"a_name_longer_than_the_kernel_allows"});
+  expectRefusedWith(
+      {"--clock", "monotonic", "--backend", "can:a_name_longer_than_the_kernel_allows"},
+      {"--backend: value 'a_name_longer_than_the_kernel_allows', expected the name of an interface"});
 }
 
 TEST_CASE("an output that cannot be created") {
