@@ -49,7 +49,12 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
       throw std::invalid_argument("--png: value '" + picture.string() +
                                   "', which is the page's, expected another file");
     }
-    const auto ticks = patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true});
+    const auto ticks =
+        patella::app::CsvTable::load(run / "ticks.csv", {.allow_missing = true, .allow_cut_off = true});
+    if (ticks.cutOffLine()) {
+      std::cerr << "patella-report: " << (run / "ticks.csv").string() << ":" << *ticks.cutOffLine()
+                << ": the table ends within this line; what stands before it is drawn\n";
+    }
     const nlohmann::json summary = loadSummary(run / "summary.json");
     if (const std::string missing = patella::report::missingTicks(ticks.rows(), summary); !missing.empty()) {
       std::cerr << "patella-report: " << (run / "ticks.csv").string() << ": " << missing << "\n";
