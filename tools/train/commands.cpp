@@ -13,6 +13,7 @@
 #include "firmware_app/weights/safetensors_file.hpp"
 #include "tools/train/curves.hpp"
 #include "tools/train/model_card.hpp"
+#include "tools/train/output_files.hpp"
 
 namespace patella::train {
 namespace {
@@ -147,6 +148,7 @@ std::string splitText(const Arguments& a) {
 
 void fit(Arguments& a, std::ostream& out) {
   understand(a);
+  const OutputFiles files = outputFiles(a.weights, a.curves);
   const app::RunConfig config = loadConfig(a);
   const Material material = prepareAll(a, config);
   const std::vector<Sequence>& sequences = material.sequences;
@@ -154,12 +156,10 @@ void fit(Arguments& a, std::ostream& out) {
   out << fmt::format("{} steps to train on, {} for validation, {} for the test\n",
                      countOf(sequences, Role::kTrain), countOf(sequences, Role::kValidation),
                      countOf(sequences, Role::kTest));
-  fs::path checkpoint = a.weights;
-  checkpoint += ".checkpoint";
   ProgressLine line;
   const Trained trained =
       trainNetwork(sequences, frame, a.training,
-                   {.checkpoint = checkpoint, .progress = [&](const Progress& p) { line.show(p); }});
+                   {.checkpoint = files.checkpoint, .progress = [&](const Progress& p) { line.show(p); }});
 
   ModelCard card{.data = usesOf(sequences),
                  .config_sha256 = app::fileSha256(config.path),
@@ -178,16 +178,18 @@ void fit(Arguments& a, std::ostream& out) {
   auto metadata = metadataOf(card);
   metadata["card_program"] =
       std::string("patella-train ") + PATELLA_VERSION + ", libtorch " + PATELLA_TORCH_VERSION;
-  app::saveNetworkWeights(a.weights, trained.weights, metadata);
-  const fs::path picture = a.curves.empty() ? fs::path(a.weights).replace_extension(".png") : a.curves;
-  drawCurves(trained.curve, trained.kept_epoch, "Training of " + a.weights.filename().string(), picture);
-  fs::remove(checkpoint);
+  app::saveNetworkWeights(files.weights, trained.weights, metadata);
+  fs::remove(files.checkpoint);
   out << fmt::format(
       "ended after {} epochs ({}); {} kept\n", trained.curve.size(), trained.stopped_by,
       trained.kept_epoch == 0 ? std::string("linear start") : fmt::format("epoch {}", trained.kept_epoch));
   out << (card.test ? scoreText(*card.test, outputOf(a))
                     : std::string("  nothing was held out for a test: no score is given\n"));
-  out << fmt::format("  weights in {}, curves in {}\n", a.weights.string(), picture.string());
+  out << fmt::format("  weights in {}\n", files.weights.string()) << std::flush;
+  // Last: the weights are there, and their score is told, also where no picture can be drawn.
+  drawCurves(trained.curve, trained.kept_epoch, "Training of " + files.weights.filename().string(),
+             files.curves);
+  out << fmt::format("  curves in {}\n", files.curves.string());
 }
 
 void score(Arguments& a, std::ostream& out) {

@@ -33,6 +33,13 @@ Eigen::Index strideOf(double recorded_Hz, double network_Hz) {
   return static_cast<Eigen::Index>(stride);
 }
 
+/// As the loop counts: what is 333 in words is a third of 1000 Hz.
+double exactRate(double recorded_Hz, double network_Hz) {
+  constexpr double kRounding = 1e-6;
+  const double exact_Hz = recorded_Hz / static_cast<double>(strideOf(recorded_Hz, network_Hz));
+  return std::abs(network_Hz - exact_Hz) <= kRounding * exact_Hz ? network_Hz : exact_Hz;
+}
+
 bool bindsVelocity(const app::RunConfig& config) {
   const auto& bindings = config.bus.map.bindings;
   return std::any_of(bindings.begin(), bindings.end(),
@@ -212,9 +219,10 @@ std::vector<Sequence> prepare(const Recording& recording, const app::RunConfig& 
                                 " Hz, expected " + app::formatNumber(expected_Hz) +
                                 " Hz as encoder_period_s of " + config.bus_map_path.string() + " has it");
   }
+  const double network_Hz = exactRate(expected_Hz, options.rate_Hz);
   const bool has_velocity = bindsVelocity(config) && !recording.velocity_rad_s[0].empty();
   PreparationOptions at_rate = options;
-  at_rate.rate_Hz = options.rate_Hz * recording.rate_Hz / expected_Hz;
+  at_rate.rate_Hz = network_Hz * recording.rate_Hz / expected_Hz;
   std::vector<Sequence> sequences;
   for (const Segment& rows : recording.segments) {
     tick::FrontEnd front = makeFrontEnd(config);
@@ -224,7 +232,7 @@ std::vector<Sequence> prepare(const Recording& recording, const app::RunConfig& 
                            : options.target == Target::kTruth    ? published(recording, rows)
                                                                  : smoothed(observed, config, options);
     Sequence sequence = makeSequence(observed, reference, at_rate);
-    sequence.rate_Hz = options.rate_Hz;
+    sequence.rate_Hz = network_Hz;
     sequence.name = recording.name;
     sequence.sha256 = recording.sha256;
     sequences.push_back(std::move(sequence));

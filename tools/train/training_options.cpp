@@ -6,6 +6,8 @@
 namespace patella::train {
 namespace {
 
+constexpr int kMostThreads = 256;
+
 void require(bool good, const char* option, double value, const std::string& expected) {
   if (!good) {
     throw std::invalid_argument(std::string(option) + ": value " + app::formatNumber(value) + ", expected " +
@@ -44,7 +46,8 @@ const TrainingOptions& checked(const TrainingOptions& o) {
   require(o.weight_decay >= 0.0 && o.weight_decay < 1.0, "weight_decay", o.weight_decay,
           "0 or more and below 1");
   require(o.turn_s > 0.0, "turn_s", o.turn_s, "above 0");
-  require(o.threads >= 1, "threads", o.threads, "at least 1");
+  require(o.threads >= 1 && o.threads <= kMostThreads, "threads", o.threads,
+          "1 to " + std::to_string(kMostThreads));
   return o;
 }
 

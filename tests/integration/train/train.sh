@@ -69,3 +69,20 @@ if "$train" fit --config "$config" --data "$folder/run1" --heads 3 --out "$folde
   fail "a wrong argument was taken"
 fi
 grep -q 'heads: value 3' "$folder/wrong.txt" || fail "the wrong argument is not named"
+
+# A rate in words is the rate that the loop counts with.
+"$train" fit --config "$config" --data "$folder/run1" --out "$folder/thirds.safetensors" --rate-Hz 66.7 --split recording \
+  --validation-share 0 --test-share 0 --hidden 4 --channels 4 --heads 1 --epochs 1 --sequence-steps 96 >/dev/null
+"$patella" run --config "$config" --clock virtual --duration 0.1 --weights "$folder/thirds.safetensors" --out "$folder/thirds" \
+  >"$folder/thirds.txt" 2>&1 || fail "a network of 66.7 Hz is not taken: $(cat "$folder/thirds.txt")"
+
+# What cannot be written is refused before the training, and no picture is drawn over the weights.
+refused() { # WORDS OPTION...
+  if "$train" fit --config "$config" --data "$folder/run1" "${@:2}" >"$folder/said.txt" 2>&1; then fail "taken: ${*:2}"; fi
+  grep -q "$1" "$folder/said.txt" || fail "no '$1': $(cat "$folder/said.txt")"
+  grep -q 'steps to train on' "$folder/said.txt" && fail "refused only after the recordings were read: ${*:2}"
+  return 0
+}
+refused 'cannot be replaced' --out "$folder"
+refused 'cannot be created' --out "$folder/y.safetensors" --curves "$folder/none/y.png"
+refused 'a picture of its own' --out "$folder/y.png"

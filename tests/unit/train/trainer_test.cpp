@@ -125,4 +125,8 @@ TEST_CASE("options out of range are refused by name") {
   CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
                        "sequence_steps: value 12, expected more than those of the burn-in",
                        std::invalid_argument);
+  options = smallTraining();
+  options.threads = 257;
+  CHECK_THROWS_WITH_AS(trainNetwork(sequences, madeUpFrame(sequences), options),
+                       "threads: value 257, expected 1 to 256", std::invalid_argument);
 }
