@@ -6,6 +6,7 @@
 
 #include "core/check.hpp"
 #include "core/model/chain/probe_states.hpp"
+#include "core/model/chain/skew.hpp"
 
 namespace patella::model {
 namespace {
@@ -14,6 +15,7 @@ using chain::cross;
 using chain::Inertia;
 using chain::Motion;
 using chain::Posture;
+using chain::skew;
 using chain::Wrench;
 
 constexpr double kShortestSegment_m = 1e-9;
@@ -62,12 +64,6 @@ Velocities velocities(const Posture& posture, const JointVector& dq) noexcept {
 }
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) noexcept {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return matrix;
-}
 
 /// B with I dv/dt + v × (I v) = I (dv/dt) + B v, such that dI/dt − 2 B is skew-symmetric: half of
 /// (v×*) I − I (v×) + (I v)×̄*. Echeandia and Wensing, Numerical methods to compute the Coriolis matrix and

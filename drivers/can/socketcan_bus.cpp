@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <stdexcept>
 #include <system_error>
 
@@ -19,6 +18,7 @@
 
 #include "drivers/can/arrival_clock.hpp"
 #include "drivers/can/error_monitor.hpp"
+#include "drivers/clock/kernel_time.hpp"
 #include "drivers/kernel_call.hpp"
 
 namespace patella::can {
@@ -33,16 +33,6 @@ static_assert(kErrorTxTimeout == CAN_ERR_TX_TIMEOUT && kErrorController == CAN_E
 [[noreturn]] void fail(const std::string& interface, const std::string& why, int error = 0) {
   throw std::runtime_error("CAN interface '" + interface + "': " + why +
                            (error == 0 ? "" : " (" + std::generic_category().message(error) + ")"));
-}
-
-std::int64_t toNanoseconds(const timespec& t) noexcept {
-  return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + static_cast<std::int64_t>(t.tv_nsec);
-}
-
-std::int64_t read(clockid_t clock) noexcept {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return toNanoseconds(now);
 }
 
 struct SocketHandle {
@@ -112,10 +102,10 @@ void unpack(const canfd_frame& in, bool fd, Frame& frame) noexcept {
 struct SocketCanBus::State {
   SocketHandle socket;
   bool fd_capable = false;
-  int queue_length = 0;
 
   ArrivalClock arrivals;
-  std::int64_t wall_offset_ns = read(CLOCK_REALTIME) - read(CLOCK_MONOTONIC);  ///< when the run began
+  std::int64_t wall_offset_ns =
+      readKernelClock(CLOCK_REALTIME) - readKernelClock(CLOCK_MONOTONIC);  ///< when the run began
   ErrorMonitor errors;
   BusStatistics statistics;
   bool interface_down = false;
@@ -183,9 +173,6 @@ void SocketCanBus::State::attach(const std::string& interface, const SocketCanOp
   fd_capable = query.ifr_mtu >= static_cast<int>(CANFD_MTU);
   if (options.require_fd && !fd_capable)
     fail(interface, "carries classic frames only, expected CAN FD, which messages of the bus map have");
-  query = request(interface);
-  if (ioctl(socket.fd, SIOCGIFTXQLEN, &query) == 0)
-    queue_length = query.ifr_qlen;
 
   sockaddr_can address{};
   address.can_family = AF_CAN;
@@ -265,14 +252,14 @@ void SocketCanBus::discardPending() noexcept {
   state_->statistics = {};
   state_->overflow_known = false;
   state_->arrivals = {};
-  state_->wall_offset_ns = read(CLOCK_REALTIME) - read(CLOCK_MONOTONIC);
+  state_->wall_offset_ns = readKernelClock(CLOCK_REALTIME) - readKernelClock(CLOCK_MONOTONIC);
 }
 
 std::size_t SocketCanBus::receive(std::span<Frame> frames, std::int64_t now_ns) noexcept {
   state_->errors.beginReceive();
   {
     const KernelCall never_waits;
-    state_->arrivals.begin(read(CLOCK_MONOTONIC), read(CLOCK_REALTIME));
+    state_->arrivals.begin(readKernelClock(CLOCK_MONOTONIC), readKernelClock(CLOCK_REALTIME));
   }
   std::size_t count = 0;
   while (count < frames.size()) {
@@ -306,7 +293,7 @@ SendResult SocketCanBus::send(Frame& frame, std::int64_t now_ns) noexcept {
     const KernelCall never_waits;
     sent = ::send(state.socket.fd, &wire, size, MSG_DONTWAIT);
     error = errno;
-    sent_ns = read(CLOCK_MONOTONIC);
+    sent_ns = readKernelClock(CLOCK_MONOTONIC);
   }
   if (sent == static_cast<ssize_t>(size)) {
     ++state.statistics.frames_sent;
@@ -333,10 +320,6 @@ BusStatistics SocketCanBus::statistics() const noexcept {
 
 bool SocketCanBus::flexibleDataRate() const noexcept {
   return state_->fd_capable;
-}
-
-int SocketCanBus::transmitQueueLength() const noexcept {
-  return state_->queue_length;
 }
 
 }  // namespace patella::can

@@ -41,8 +41,6 @@ class SocketCanBus final : public Bus {
   BusStatistics statistics() const noexcept override;
 
   bool flexibleDataRate() const noexcept;
-  /// Frames that the interface's own queue holds (txqueuelen); 0 where unknown.
-  int transmitQueueLength() const noexcept;
 
  private:
   struct State;

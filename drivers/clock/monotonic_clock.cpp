@@ -3,29 +3,16 @@
 #include <time.h>
 
 #include "drivers/clock/clock.hpp"
+#include "drivers/clock/kernel_time.hpp"
 
 namespace patella {
-namespace {
-
-// tv_sec is 32 bits wide on some targets: widen before multiplying.
-std::int64_t toNanoseconds(const timespec& t) noexcept {
-  return static_cast<std::int64_t>(t.tv_sec) * kNanosecondsPerSecond + static_cast<std::int64_t>(t.tv_nsec);
-}
-
-std::int64_t read(clockid_t id) noexcept {
-  timespec t{};
-  clock_gettime(id, &t);
-  return toNanoseconds(t);
-}
-
-}  // namespace
 
 std::int64_t MonotonicClock::now() const noexcept PATELLA_NONBLOCKING {
-  return read(CLOCK_MONOTONIC);
+  return readKernelClock(CLOCK_MONOTONIC);
 }
 
 std::int64_t MonotonicClock::wallNow() const noexcept PATELLA_NONBLOCKING {
-  return read(CLOCK_REALTIME);
+  return readKernelClock(CLOCK_REALTIME);
 }
 
 void MonotonicClock::sleepUntil(std::int64_t instant_ns) noexcept {

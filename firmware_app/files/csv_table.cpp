@@ -1,7 +1,6 @@
 #include "firmware_app/files/csv_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -224,14 +223,12 @@ void CsvWriter::row(std::span<const double> values) {
                                 " values in a row, expected " + std::to_string(columns_));
   }
   line_.clear();
-  std::array<char, 32> text{};
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i != 0) {
       line_ += ',';
     }
     if (std::isfinite(values[i])) {
-      const auto end = std::to_chars(text.data(), text.data() + text.size(), values[i]).ptr;
-      line_.append(text.data(), end);
+      appendFormatted(line_, values[i]);
     }
   }
   line_ += '\n';

@@ -1,7 +1,9 @@
 #include "firmware_app/files/wording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <vector>
 
 #include "core/check.hpp"
@@ -51,6 +53,11 @@ bool lacksUnit(std::string_view a, std::string_view b) {
 
 std::string formatNumber(double value) {
   return shortestText(value);
+}
+
+void appendFormatted(std::string& text, double value) {
+  std::array<char, 32> digits{};
+  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
 }
 
 std::string quotedList(std::span<const std::string> names) {

@@ -9,6 +9,8 @@ namespace patella::app {
 
 /// Shortest text that reads back as the same double: "0.1", "20000", "1e-06".
 std::string formatNumber(double value);
+/// The same at the end of a text, without a string of its own: for tables of many rows.
+void appendFormatted(std::string& text, double value);
 
 /// Names in single quotes, separated by commas: 'a', 'b'.
 std::string quotedList(std::span<const std::string> names);

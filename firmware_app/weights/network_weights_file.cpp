@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "firmware_app/files/file_error.hpp"
+#include "firmware_app/files/wording.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
 
 namespace patella::app {
@@ -168,13 +169,6 @@ std::string nameOf(Value value, const std::array<std::pair<std::string_view, Val
   return std::string(found->first);
 }
 
-/// Shortest text that reads back as the same number.
-std::string textOf(double value) {
-  std::array<char, 32> buffer;
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return {buffer.data(), result.ptr};
-}
-
 template <typename Values, typename ToText>
 std::string joined(const Values& values, ToText to_text) {
   std::string text;
@@ -242,11 +236,11 @@ void saveNetworkWeights(const std::filesystem::path& path, const network::Networ
   }
   Safetensors content;
   content.metadata = {{"features", joined(weights.features, [](const std::string& name) { return name; })},
-                      {"feature_mean", joined(weights.feature_mean, textOf)},
-                      {"feature_scale", joined(weights.feature_scale, textOf)},
-                      {"output_mean", joined(weights.output_mean, textOf)},
-                      {"output_scale", joined(weights.output_scale, textOf)},
-                      {"rate_Hz", textOf(weights.rate_Hz)},
+                      {"feature_mean", joined(weights.feature_mean, formatNumber)},
+                      {"feature_scale", joined(weights.feature_scale, formatNumber)},
+                      {"output_mean", joined(weights.output_mean, formatNumber)},
+                      {"output_scale", joined(weights.output_scale, formatNumber)},
+                      {"rate_Hz", formatNumber(weights.rate_Hz)},
                       {"window", std::to_string(weights.window)},
                       {"heads", std::to_string(weights.heads)},
                       {"attention_scale", nameOf(weights.attention_scale, kAttentionScales)},

@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <stdexcept>
 
 #include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/files/wording.hpp"
 #include "tools/convert/run_signals.hpp"
 
 namespace patella::convert {
 namespace {
-
-void append(std::string& line, double value) {
-  std::array<char, 32> text{};
-  line.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr);
-}
 
 OpenSimReport write(const RunSignals& signals, const std::vector<std::string>& names,
                     const std::filesystem::path& file) {
@@ -27,10 +22,10 @@ OpenSimReport write(const RunSignals& signals, const std::vector<std::string>& n
   out.write(text + "\n");
   forEachSample(signals, [&](double time_s, std::span<const double> values) {
     text.clear();
-    append(text, signals.start_s + time_s);
+    app::appendFormatted(text, signals.start_s + time_s);
     for (const double value : values) {
       text += '\t';
-      append(text, value);
+      app::appendFormatted(text, value);
     }
     out.write(text + "\n");
   });

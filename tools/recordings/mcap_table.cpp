@@ -1,7 +1,5 @@
 #include "tools/recordings/mcap_table.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -88,8 +86,7 @@ class TickLines {
     for (std::size_t i = 0; i < row_.size(); ++i) {
       line += i == 0 ? "" : ",";
       if (!std::isnan(row_[i])) {
-        std::array<char, 32> text{};
-        line.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), row_[i]).ptr);
+        app::appendFormatted(line, row_[i]);
       }
     }
   }

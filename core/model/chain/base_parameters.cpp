@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "core/model/chain/probe_states.hpp"
+#include "core/model/chain/skew.hpp"
 
 namespace patella::model::chain {
 namespace {
@@ -30,12 +31,6 @@ Eigen::Matrix<double, 3, 6> ofInertia(const Eigen::Vector3d& w) noexcept {
   matrix << w.x(), w.y(), w.z(), 0.0, 0.0, 0.0,  //
       0.0, w.x(), 0.0, w.y(), w.z(), 0.0,        //
       0.0, 0.0, w.x(), 0.0, w.y(), w.z();
-  return matrix;
-}
-
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) noexcept {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
   return matrix;
 }
 
