@@ -6,41 +6,37 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "drivers/can/bus_group.hpp"
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "drivers/can/replay_bus.hpp"
-#include "drivers/can/socketcan_bus.hpp"
-#include "drivers/canopen/drive_nodes.hpp"
 #include "drivers/canopen/node_setup.hpp"
 #include "drivers/signal_stack.hpp"
+#include "firmware_app/commands/bus_backend.hpp"
 #include "firmware_app/configuration/reference_check.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/standard_streams.hpp"
 #include "firmware_app/loop/loop.hpp"
 #include "firmware_app/loop/loop_thread.hpp"
-#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/emergency_exit.hpp"
 #include "firmware_app/realtime/host_stress.hpp"
 #include "firmware_app/realtime/watchdog.hpp"
+#include "firmware_app/recorder/input_files.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "firmware_app/recorder/run_account.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
+#include "firmware_app/recorder/summary_text.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/loop_faults.hpp"
 #include "sim/rig_thread.hpp"
-#include "sim/simulated_bus.hpp"
 
 namespace patella::app {
 namespace {
@@ -63,88 +59,12 @@ std::unique_ptr<gpio::Pins> makePins(const RunConfig& config) {
   return std::make_unique<gpio::SimulatedPins>();
 }
 
-// The bus with whatever lives behind it.
-struct BusBackend {
-  std::unique_ptr<sim::Rig> rig;
-  std::unique_ptr<can::Bus> bus;
-  sim::RigThread* rig_thread = nullptr;
-  const can::ReplayBus* replay = nullptr;
-};
-
-can::ReplayOptions replayOptions(const RunConfig& config, const can::CommandEncoder& encoder) {
-  can::ReplayOptions options;
-  for (const BusSettings& bus : config.buses) {
-    options.interfaces.push_back(bus.interface);
+// A log moves nothing.
+void requireSoundMotion(const RunConfig& config) {
+  if (config.backend.kind != BackendKind::kReplay) {
+    requireStable(config);
+    requireWithinLimits(config);
   }
-  options.farewell_commands = static_cast<std::size_t>(config.loop.shutdown_frames);
-  const canopen::DriveNodes nodes(config.bus.canopen);
-  if (nodes.any()) {
-    options.fixed_frames.assign(nodes.cycleFrames().begin(), nodes.cycleFrames().end());
-    options.fixed_frames.insert(options.fixed_frames.end(), nodes.farewell().begin(), nodes.farewell().end());
-  }
-  for (std::size_t drive = 0; drive < encoder.size(); ++drive) {
-    const can::DriveCommand& command = encoder.drive(drive);
-    options.command_id = command.layout().id();
-    options.command_extended = command.layout().extended();
-    options.command_bus = command.layout().bus();
-    options.also_sent.push_back(command.layout().blank());
-    for (const auto which :
-         {safety::DriveFrames::kEnter, safety::DriveFrames::kLeave, safety::DriveFrames::kClear}) {
-      const std::span<const can::Frame> frames = command.frames(which);
-      options.fixed_frames.insert(options.fixed_frames.end(), frames.begin(), frames.end());
-    }
-  }
-  return options;
-}
-
-std::unique_ptr<can::Bus> openInterfaces(const RunConfig& config) {
-  std::vector<std::unique_ptr<can::Bus>> buses;
-  for (const BusSettings& bus : config.buses) {
-    if (config.rehearsal) {
-      requireVirtual(bus.interface);
-    }
-    const can::SocketCanOptions options{.require_fd = !fdMessage(config.bus, buses.size()).empty()};
-    buses.push_back(std::make_unique<can::SocketCanBus>(bus.interface, options));
-  }
-  return buses.size() == 1 ? std::move(buses.front()) : std::make_unique<can::BusGroup>(std::move(buses));
-}
-
-std::vector<RecordedBus> recordedBuses(const RunConfig& config) {
-  std::vector<RecordedBus> buses;
-  for (const BusSettings& bus : config.buses) {
-    buses.push_back({.interface = bus.interface, .name = bus.name});
-  }
-  return buses;
-}
-
-BusBackend makeBus(const RunConfig& config, const can::CommandEncoder& encoder, Clock& clock) {
-  BusBackend backend;
-  switch (config.backend.kind) {
-    case BackendKind::kCan:
-      backend.bus = openInterfaces(config);
-      break;
-    case BackendKind::kReplay: {
-      auto replay = std::make_unique<can::ReplayBus>(config.backend.target, replayOptions(config, encoder));
-      if (replay->cutLine() != 0) {
-        spdlog::warn("{}:{}: the log ends within this line; what stands before it is replayed",
-                     config.backend.target, replay->cutLine());
-      }
-      backend.replay = replay.get();
-      backend.bus = std::move(replay);
-      break;
-    }
-    case BackendKind::kSim:
-      backend.rig = makeRig(config);
-      if (config.clock == ClockKind::kVirtual) {
-        backend.bus = std::make_unique<sim::SimulatedBus>(*backend.rig, clock);
-      } else {
-        auto thread = std::make_unique<sim::RigThread>(*backend.rig, clock, config.realtime.priority);
-        backend.rig_thread = thread.get();
-        backend.bus = std::move(thread);
-      }
-      break;
-  }
-  return backend;
 }
 
 // Drives that have to be told how to work before they are told to. A log has them set up already.
@@ -189,6 +109,28 @@ class Progress {
   std::chrono::steady_clock::time_point shown_ = std::chrono::steady_clock::now();
 };
 
+// Who takes torque away where the loop cannot. In virtual time nothing is late, and nothing outside waits for
+// torque to end.
+class Safeguards {
+ public:
+  Safeguards(const RunConfig& config, gpio::Pins& pins, can::Bus& bus, can::CommandEncoder& encoder,
+             const Clock& clock, Loop& loop) {
+    if (config.clock == ClockKind::kVirtual) {
+      return;
+    }
+    WatchdogOptions options = config.watchdog;
+    options.loop_period_s = 1.0 / config.loop.rate_Hz;
+    options.priority = config.realtime.priority > 0 ? std::min(config.realtime.priority + 1, 99) : 0;
+    watchdog_.emplace(options, pins);
+    loop.watchedBy(*watchdog_);
+    emergency_exit_.emplace(pins, bus, encoder, clock, config.model.joints());
+  }
+
+ private:
+  std::optional<Watchdog> watchdog_;
+  std::optional<EmergencyExit> emergency_exit_;
+};
+
 std::unique_ptr<RealtimeSetup> runShowingProgress(Loop& loop, const RunConfig& config,
                                                   const Recorder& recorder, const std::atomic<bool>& stop) {
   RealtimeOptions options = config.realtime;
@@ -203,31 +145,24 @@ std::unique_ptr<RealtimeSetup> runShowingProgress(Loop& loop, const RunConfig& c
   return setup;
 }
 
-// Inputs of the run, for the first lines of the events.
-std::string heading(const std::vector<InputFile>& files) {
-  std::string text;
-  for (const InputFile& file : files) {
-    text +=
-        fmt::format("input={} file={} sha256={}\n", file.role, file.path.filename().string(), file.sha256);
+std::vector<RecordedBus> recordedBuses(const RunConfig& config) {
+  std::vector<RecordedBus> buses;
+  for (const BusSettings& bus : config.buses) {
+    buses.push_back({.interface = bus.interface, .name = bus.name});
   }
-  return text;
+  return buses;
 }
 
-// The same with the files themselves, for a recording that travels alone. The log of a replay stays where it
-// is: what was played is in the recording.
-formats::RunInputs mcapInputs(const std::vector<InputFile>& files) {
-  formats::RunInputs inputs;
-  inputs.hashes.name = "inputs";
-  for (const InputFile& file : files) {
-    const std::string name = file.path.filename().string();
-    inputs.hashes.values[file.role] = name + " sha256=" + file.sha256;
-    if (file.role != "log") {
-      inputs.files.push_back({.name = name,
-                              .media_type = formats::mediaType(name),
-                              .data = readFile(file.path, files::kWeightsFile)});
-    }
-  }
-  return inputs;
+RecorderOptions recorderOptions(const RunConfig& config, const std::filesystem::path& folder,
+                                const std::vector<InputFile>& files) {
+  return {.folder = folder,
+          .buses = recordedBuses(config),
+          .joints = config.model.joints(),
+          .heading = inputLines(files),
+          .min_free_bytes = config.min_free_bytes,
+          .lossless = config.clock == ClockKind::kVirtual,
+          .mcap = config.record_mcap ? std::optional(mcapInputs(files)) : std::nullopt,
+          .live = config.record_live};
 }
 
 void warnOfWeights(const RunConfig& config) {
@@ -294,9 +229,8 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   if (config.clock == ClockKind::kMonotonic) {
     keepOff(config.realtime.cpus);
   }
-  if (config.backend.kind != BackendKind::kReplay) {
-    requireStable(config);  // a log moves nothing
-  }
+  const auto tick = makeTick(config);
+  requireSoundMotion(config);
   warnOfWeights(config);
   for (const std::string& missing : missingLines(config)) {
     spdlog::warn("{}", missing);
@@ -304,23 +238,12 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   const SignalStack signal_stack;
   const SignalStack::InUse in_use(signal_stack);
   const auto clock = makeClock(config);
-  const auto tick = makeTick(config);
-  if (config.backend.kind != BackendKind::kReplay) {
-    requireWithinLimits(config);
-  }
   can::MeasurementDecoder decoder = makeDecoder(config);
   can::CommandEncoder encoder = makeEncoder(config);
   const BusBackend backend = makeBus(config, encoder, *clock);
   const auto pins = makePins(config);
   const std::vector<InputFile> files = inputFiles(config);
-  Recorder recorder({.folder = folder,
-                     .buses = recordedBuses(config),
-                     .joints = config.model.joints(),
-                     .heading = heading(files),
-                     .min_free_bytes = config.min_free_bytes,
-                     .lossless = config.clock == ClockKind::kVirtual,
-                     .mcap = config.record_mcap ? std::optional(mcapInputs(files)) : std::nullopt,
-                     .live = config.record_live});
+  Recorder recorder(recorderOptions(config, folder, files));
   sim::DisturbedClock loop_clock(*clock, config.faults);
   sim::DisturbedPins loop_pins(*pins, loop_clock, config.faults);
   const bool disturbed = !config.faults.empty();
@@ -339,37 +262,19 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
     loop.probedBy(stalls);
   }
 
-  if (backend.rig_thread != nullptr) {
-    backend.rig_thread->start();
-  }
-  try {
-    setUpDrives(config, *backend.bus, *clock);
-  } catch (...) {
-    recorder.discard();
-    throw;
-  }
-
-  // In virtual time nothing is late, and nothing outside waits for torque to end.
-  std::optional<Watchdog> watchdog;
-  std::optional<EmergencyExit> emergency_exit;
-  if (config.clock == ClockKind::kMonotonic) {
-    WatchdogOptions options = config.watchdog;
-    options.loop_period_s = 1.0 / config.loop.rate_Hz;
-    options.priority = config.realtime.priority > 0 ? std::min(config.realtime.priority + 1, 99) : 0;
-    watchdog.emplace(options, *pins);
-    loop.watchedBy(*watchdog);
-    emergency_exit.emplace(*pins, *backend.bus, encoder, *clock, config.model.joints());
-  }
   std::unique_ptr<RealtimeSetup> setup;
   try {
+    if (backend.rig_thread != nullptr) {
+      backend.rig_thread->start();
+    }
+    setUpDrives(config, *backend.bus, *clock);
+    const Safeguards safeguards(config, *pins, *backend.bus, encoder, *clock, loop);
     const HostStress stress(config.faults, [&loop_clock] { return loop_clock.wokeAt_s(); });
     setup = runShowingProgress(loop, config, recorder, stop);
   } catch (...) {
     recorder.discard();
     throw;
   }
-  emergency_exit.reset();
-  watchdog.reset();
   if (backend.rig_thread != nullptr) {
     backend.rig_thread->stop();
   }

@@ -1,8 +1,6 @@
 // The part of a run's summary that speaks of frames and buses.
 #pragma once
 
-#include <string>
-
 #include <nlohmann/json.hpp>
 
 #include "drivers/can/bus.hpp"
@@ -15,8 +13,5 @@ namespace patella::app {
 /// "bus": counters of all together and of each message; "buses": of each by name, where there are several.
 void addBuses(const RunConfig& config, const LoopStatistics& loop, const can::Bus& bus,
               const can::MeasurementDecoder& decoder, nlohmann::ordered_json& summary);
-
-/// The same for the console.
-std::string busText(const nlohmann::ordered_json& summary);
 
 }  // namespace patella::app

@@ -6,35 +6,19 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/spsc_ring.hpp"
 #include "drivers/can/can_frame.hpp"
-#include "firmware_app/formats/mcap_run.hpp"
+#include "firmware_app/formats/mcap_writer.hpp"
+#include "firmware_app/recorder/recorder_options.hpp"
 #include "firmware_app/recorder/tick_record.hpp"
 
 namespace patella::app {
 
-struct RecordedBus {
-  std::string interface = "can0";  ///< as frames.log has it
-  std::string name{};              ///< as events.log has it; empty: it is the only one
-};
-
-struct RecorderOptions {
-  std::filesystem::path folder;
-  std::vector<RecordedBus> buses = {RecordedBus{}};  ///< by the numbers that frames have
-  int joints = kMaxJoints;
-  std::string heading;               ///< whole lines, to begin events.log with
-  std::uint64_t min_free_bytes = 0;  ///< on the folder's disk, at the start and then as a warning
-  bool lossless = false;  ///< wait for the writer instead of dropping: only where no wall clock runs
-  /// What run.mcap holds beside the recording; without it, there is no such file.
-  std::optional<formats::RunInputs> mcap{};
-  bool live = false;  ///< the newest messages in shared memory, for viewers; left out with a warning where it
-                      ///< cannot be
-};
+class RecordingFiles;
 
 class Recorder {
  public:
@@ -76,13 +60,12 @@ class Recorder {
   const std::string& error() const noexcept { return error_; }
 
  private:
-  class Files;
   struct Entry {
     std::uint64_t frames = 0;  ///< accepted so far, those of this tick included
     TickRecord record;
   };
-  void write(Files& files);
-  bool writeFrames(Files& files, std::uint64_t count);
+  void write(RecordingFiles& files);
+  bool writeFrames(RecordingFiles& files, std::uint64_t count);
 
   // Two seconds of a 1 kHz loop with eight frames a tick.
   SpscRing<Entry> ticks_{2048};
@@ -99,7 +82,7 @@ class Recorder {
   std::string error_;
   RecorderOptions options_;
   std::vector<std::filesystem::path> created_;  ///< folders from the outermost, then files
-  std::shared_ptr<Files> files_;
+  std::shared_ptr<RecordingFiles> files_;
   std::thread thread_;
 };
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_app/recorder/recorder.hpp"
+#include "firmware_app/recorder/recorder_options.hpp"
 
 namespace patella::app {
 

@@ -32,13 +32,12 @@ struct TickRecord {
   std::uint32_t warnings = 0;  ///< safety::WarningSet
   std::uint64_t limits = 0;    ///< safety::LimitSet bits: joint 1 from bit 0, joint 2 from bit 8 and so on
   std::uint8_t state = 0;      ///< safety::State
-  std::uint8_t encoder_steps = 0;
+  std::uint8_t encoder_steps = 0;      ///< sensor periods since the complete set before; 0: none is new
   std::uint32_t missed_periods = 0;    ///< skipped since the tick before
   std::int64_t wakeup_latency_ns = 0;  ///< woken later than scheduled by
-  std::int64_t execution_ns =
-      0;  ///< from waking to the end of the tick's work; phase two and record excluded
-  std::int64_t sensor_latency_ns =
-      -1;  ///< encoder frame to torque frame, bus stamps; −1 without a new encoder frame
+  std::int64_t execution_ns = 0;       ///< from waking until the command and the lines were out
+  /// Encoder frame to torque frame by their bus stamps; −1 without a new encoder frame.
+  std::int64_t sensor_latency_ns = -1;
   canopen::NodeNotices notices{};  ///< what CANopen drives said of themselves
   can::BusSet fault_buses = 0;     ///< that the faults are about
   std::uint32_t joints = 0;        ///< of the mechanism

@@ -7,8 +7,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "firmware_app/recorder/input_files.hpp"
 #include "firmware_app/recorder/recorder.hpp"
-#include "firmware_app/recorder/run_summary.hpp"
 #include "tests/integration/runs/demonstration.hpp"
 
 using namespace patella;

@@ -9,7 +9,7 @@
 #include "firmware_app/commands/run_command.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/csv_table.hpp"
-#include "firmware_app/recorder/run_summary.hpp"
+#include "firmware_app/recorder/summary_text.hpp"
 #include "tests/integration/runs/demonstration.hpp"
 #include "tools/checkout/checkout.hpp"
 
