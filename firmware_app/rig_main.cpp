@@ -4,19 +4,17 @@
 #include <cstddef>
 #include <cstdio>
 #include <exception>
-#include <memory>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include "drivers/can/bus_group.hpp"
-#include "drivers/can/socketcan_bus.hpp"
 #include "drivers/clock/clock.hpp"
+#include "firmware_app/commands/bus_backend.hpp"
 #include "firmware_app/configuration/run_config.hpp"
+#include "firmware_app/files/command_line.hpp"
 #include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/realtime_setup.hpp"
 #include "sim/can_rig_runner.hpp"
@@ -51,7 +49,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
+    return patella::app::exitAfterParsing(app, error);
   }
 
   struct sigaction action {};
@@ -68,13 +66,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     const patella::app::RunConfig config = patella::app::loadRunConfig(line);
     options.duration_s = line.duration_s.value_or(0.0);
     const auto rig = patella::app::makeRig(config);
-    std::vector<std::unique_ptr<patella::can::Bus>> interfaces;
-    for (const patella::app::BusSettings& bus : config.buses) {
-      const bool fd = !patella::app::fdMessage(config.bus, interfaces.size()).empty();
-      interfaces.push_back(std::make_unique<patella::can::SocketCanBus>(
-          bus.interface, patella::can::SocketCanOptions{.require_fd = fd}));
-    }
-    patella::can::BusGroup bus(std::move(interfaces));
+    patella::can::BusGroup bus(patella::app::openInterfaces(config));
     options.set_interface_down = [&config](std::size_t which, bool down) {
       patella::app::setCanInterfaceUp(config.buses[which].interface, !down);
     };

@@ -3,11 +3,14 @@
 #include <array>
 #include <ctime>
 #include <filesystem>
+#include <string>
 
 #include <doctest/doctest.h>
 
 #include "tests/integration/malformed/patella_process.hpp"
+#include "tools/checkout/checkout.hpp"
 
+using namespace patella;
 using namespace patella::test;
 
 TEST_CASE("an argument out of its range") {
@@ -81,6 +84,18 @@ TEST_CASE("no configuration, and no command") {
   CHECK(unknown.exit_status == 1);
   CHECK(unknown.errors.find("'replay' is no command, expected run, check, bounds or view") !=
         std::string::npos);
+}
+
+TEST_CASE("arguments of the simulated rig are refused in the same words") {
+  const std::string rig = checkout::build() / "firmware_app/patella-rig";
+  const Outcome misspelt = runProgram(rig, {"can:vcan0", "--confg", "adult.toml"});
+  CHECK(misspelt.exit_status == 1);
+  CHECK(misspelt.errors.find(
+            "--confg: unknown option, expected one that --help names, did you mean '--config'?") !=
+        std::string::npos);
+  const Outcome no_number = runProgram(rig, {"can:vcan0", "--config", "adult.toml", "--seed", "ten"});
+  CHECK(no_number.exit_status == 1);
+  CHECK(no_number.errors.find("--seed: value 'ten', expected a whole number") != std::string::npos);
 }
 
 TEST_CASE("an interface that there is not, to check") {
