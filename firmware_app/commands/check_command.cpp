@@ -16,9 +16,9 @@
 #include "drivers/canopen/drive_nodes.hpp"
 #include "drivers/canopen/node_setup.hpp"
 #include "drivers/clock/clock.hpp"
+#include "firmware_app/commands/bus_backend.hpp"
 #include "firmware_app/configuration/reference_check.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
-#include "firmware_app/realtime/can_interface.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/simulated_bus.hpp"
@@ -121,25 +121,11 @@ void tellStability(const RunConfig& config) {
   }
 }
 
-}  // namespace
-
-bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
-  // Loading has checked every value; building shows that the parts fit each other.
-  const auto tick = makeTick(config);
-  const can::MeasurementDecoder decoder = makeDecoder(config);
-  makeEncoder(config);
-  if (config.backend.kind == BackendKind::kSim) {
-    makeRig(config);
-  }
-  if (config.rehearsal && config.backend.kind == BackendKind::kCan) {
-    for (const BusSettings& bus : config.buses) {
-      requireVirtual(bus.interface);
-    }
-  }
-  fmt::print("configuration\n");
+void tellConfiguration(const RunConfig& config, const tick::Tick& tick,
+                       const can::MeasurementDecoder& decoder) {
   line(true, true, "configuration", config.path.string());
   line(true, true, "model",
-       fmt::format("{}: {} joints, {} effects", config.model_path.string(), tick->joints(),
+       fmt::format("{}: {} joints, {} effects", config.model_path.string(), tick.joints(),
                    config.model.effects.size()));
   line(true, true, "bus",
        fmt::format("{}: {} messages, {} of them read", config.bus.dbc_path.string(),
@@ -152,6 +138,55 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   for (const std::string& missing : missingLines(config)) {
     line(false, false, "lines", missing);
   }
+}
+
+void tellEstimators(const RunConfig& config) {
+  line(true, true, "observer", std::string(observerName(config.observer.kind)));
+  const bool unsealed = config.weights && !config.weights_sealed;
+  line(!unsealed, false, "weights",
+       unsealed         ? unsealedWarning(config.weights_path)
+       : config.weights ? config.weights_path.string()
+                        : "none: the observer alone estimates");
+}
+
+HostNeeds hostNeeds(const RunConfig& config) {
+  HostNeeds needs;
+  needs.priority = config.realtime.priority;
+  needs.cpus = config.realtime.cpus;
+  if (config.backend.kind != BackendKind::kCan) {
+    return needs;
+  }
+  for (const BusSettings& bus : config.buses) {
+    needs.can.push_back({.interface = bus.interface,
+                         .bitrate = bus.bitrate,
+                         .fd_message = fdMessage(config.bus, needs.can.size())});
+  }
+  needs.gpio_chip = config.gpio ? gpio::chipPath(config.gpio->chip) : "";
+  return needs;
+}
+
+void tellHost(const std::vector<Finding>& findings) {
+  for (const Finding& finding : findings) {
+    line(finding.ok, finding.required, finding.name, finding.found);
+    if (!finding.ok) {
+      fmt::print("           {:<24}expected {}; {}\n", "", finding.expected, finding.fix);
+    }
+  }
+}
+
+}  // namespace
+
+bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
+  // Loading has checked every value; building shows that the parts fit each other.
+  const auto tick = makeTick(config);
+  const can::MeasurementDecoder decoder = makeDecoder(config);
+  makeEncoder(config);
+  if (config.backend.kind == BackendKind::kSim) {
+    makeRig(config);
+  }
+  requireNoWire(config);
+  fmt::print("configuration\n");
+  tellConfiguration(config, *tick, decoder);
   tellDrives(config);
   if (ask_nodes) {
     askNodes(config);
@@ -162,35 +197,14 @@ bool checkRun(const RunConfig& config, bool require_rt, bool ask_nodes) {
   tellStability(config);
   requireStable(config);
   requireWithinLimits(config);
-  line(true, true, "observer", std::string(observerName(config.observer.kind)));
-  const bool unsealed = config.weights && !config.weights_sealed;
-  line(!unsealed, false, "weights",
-       unsealed         ? unsealedWarning(config.weights_path)
-       : config.weights ? config.weights_path.string()
-                        : "none: the observer alone estimates");
+  tellEstimators(config);
   if (config.rehearsal) {
     line(true, true, "rehearsal", "times as for no motor: refused on an interface that leads to a wire");
   }
 
-  HostNeeds needs;
-  needs.priority = config.realtime.priority;
-  needs.cpus = config.realtime.cpus;
-  if (config.backend.kind == BackendKind::kCan) {
-    for (const BusSettings& bus : config.buses) {
-      needs.can.push_back({.interface = bus.interface,
-                           .bitrate = bus.bitrate,
-                           .fd_message = fdMessage(config.bus, needs.can.size())});
-    }
-    needs.gpio_chip = config.gpio ? gpio::chipPath(config.gpio->chip) : "";
-  }
   fmt::print("host\n");
-  const std::vector<Finding> findings = hostReadiness(needs);
-  for (const Finding& finding : findings) {
-    line(finding.ok, finding.required, finding.name, finding.found);
-    if (!finding.ok) {
-      fmt::print("           {:<24}expected {}; {}\n", "", finding.expected, finding.fix);
-    }
-  }
+  const std::vector<Finding> findings = hostReadiness(hostNeeds(config));
+  tellHost(findings);
   const bool ready = allRequiredOk(findings);
   const bool runs = allIndispensableOk(findings);
   fmt::print("the configuration is sound; the host {}\n",
