@@ -237,24 +237,60 @@ std::string McapWriter::statistics() const {
   return content;
 }
 
+std::string McapWriter::ChunkIndex::content() const {
+  std::string places;
+  for (const auto& [channel, place] : message_index) {
+    appendNumber(places, channel);
+    appendNumber(places, place);
+  }
+  std::string content;
+  for (const std::uint64_t number : {start_ns, end_ns, offset, length}) {
+    appendNumber(content, number);
+  }
+  appendText(content, places);
+  appendNumber(content, index_length);
+  appendText(content, "zstd");
+  appendNumber(content, compressed);
+  appendNumber(content, uncompressed);
+  return content;
+}
+
+std::string McapWriter::AttachmentIndex::content() const {
+  std::string content;
+  for (const std::uint64_t number : {offset, length, time_ns, time_ns, size}) {
+    appendNumber(content, number);
+  }
+  appendText(content, name);
+  appendText(content, media_type);
+  return content;
+}
+
+std::string McapWriter::MetadataIndex::content() const {
+  std::string content;
+  appendNumber(content, offset);
+  appendNumber(content, length);
+  appendText(content, name);
+  return content;
+}
+
 // Groups of records of one kind, and where each group stands.
 void McapWriter::writeSummary() {
+  const std::uint64_t start = written_;
+  crc_ = 0;
   std::string offsets;
   const auto group = [&](McapOpcode opcode, const auto& items, auto&& contentOfItem) {
-    const std::uint64_t start = written_;
+    const std::uint64_t group_start = written_;
     for (std::size_t i = 0; i < items.size(); ++i) {
       putRecord(opcode, contentOfItem(items[i], i));
     }
     if (!items.empty()) {
       std::string content;
       appendNumber(content, static_cast<std::uint8_t>(opcode));
-      appendNumber(content, start);
-      appendNumber(content, written_ - start);
+      appendNumber(content, group_start);
+      appendNumber(content, written_ - group_start);
       offsets += head(McapOpcode::kSummaryOffset, content.size()) + content;
     }
   };
-  const std::uint64_t start = written_;
-  crc_ = 0;
   group(McapOpcode::kSchema, schemas_, [](const McapSchema& schema, std::size_t i) {
     return contentOf(schema, static_cast<std::uint16_t>(i + 1));
   });
@@ -263,39 +299,10 @@ void McapWriter::writeSummary() {
   });
   group(McapOpcode::kStatistics, std::vector{statistics()},
         [](const std::string& content, std::size_t /*i*/) { return content; });
-  group(McapOpcode::kChunkIndex, chunks_, [](const ChunkIndex& chunk, std::size_t /*i*/) {
-    std::string places;
-    for (const auto& [channel, place] : chunk.message_index) {
-      appendNumber(places, channel);
-      appendNumber(places, place);
-    }
-    std::string content;
-    for (const std::uint64_t number : {chunk.start_ns, chunk.end_ns, chunk.offset, chunk.length}) {
-      appendNumber(content, number);
-    }
-    appendText(content, places);
-    appendNumber(content, chunk.index_length);
-    appendText(content, "zstd");
-    appendNumber(content, chunk.compressed);
-    appendNumber(content, chunk.uncompressed);
-    return content;
-  });
-  group(McapOpcode::kAttachmentIndex, attachments_, [](const AttachmentIndex& item, std::size_t /*i*/) {
-    std::string content;
-    for (const std::uint64_t number : {item.offset, item.length, item.time_ns, item.time_ns, item.size}) {
-      appendNumber(content, number);
-    }
-    appendText(content, item.name);
-    appendText(content, item.media_type);
-    return content;
-  });
-  group(McapOpcode::kMetadataIndex, metadata_, [](const MetadataIndex& item, std::size_t /*i*/) {
-    std::string content;
-    appendNumber(content, item.offset);
-    appendNumber(content, item.length);
-    appendText(content, item.name);
-    return content;
-  });
+  const auto content_of_index = [](const auto& index, std::size_t /*i*/) { return index.content(); };
+  group(McapOpcode::kChunkIndex, chunks_, content_of_index);
+  group(McapOpcode::kAttachmentIndex, attachments_, content_of_index);
+  group(McapOpcode::kMetadataIndex, metadata_, content_of_index);
   const std::uint64_t offsets_start = written_;
   put(offsets);
   // The checksum of the summary reaches to the field before its own.

@@ -69,17 +69,21 @@ class McapWriter {
 
  private:
   struct Compressor;
+  // What the summary says of a record: where it begins and how long it is, in bytes, and what is in it.
   struct ChunkIndex {
     std::uint64_t start_ns, end_ns, offset, length, index_length, compressed, uncompressed;
     std::map<std::uint16_t, std::uint64_t> message_index;  // channel -> where its index stands
+    std::string content() const;
   };
   struct AttachmentIndex {
     std::uint64_t offset, length, time_ns, size;
     std::string name, media_type;
+    std::string content() const;
   };
   struct MetadataIndex {
     std::uint64_t offset, length;
     std::string name;
+    std::string content() const;
   };
   using Times =
       std::vector<std::pair<std::uint64_t, std::uint64_t>>;  // of a message, and its place in the chunk
