@@ -6,8 +6,8 @@
 #include "drivers/can/binding_check.hpp"
 #include "drivers/can/input_table.hpp"
 #include "drivers/canopen/drive_binding.hpp"
-#include "firmware_app/configuration/bus_names.hpp"
 #include "firmware_app/configuration/canopen_config.hpp"
+#include "firmware_app/configuration/dbc_names.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/toml_table.hpp"
@@ -307,7 +307,7 @@ BusDescription parseBusDescription(std::string_view text, const std::string& nam
   }
   document.finish();
   bus.database = can::loadDbc(bus.dbc_path);
-  checkBusNames(root, bus.database);
+  checkDbcNames(root, bus.database);
   for (const SignalRange& range : ranges) {
     applyRange(range, bus.database);
   }

@@ -202,6 +202,20 @@ void requireSyncPeriod(const RunConfig& config) {
   }
 }
 
+// A log holds its own time: it is played as fast as the machine allows, and to its end unless the command
+// line asks for a part of it.
+void fitClock(const CommandLine& command_line, RunConfig& config) {
+  if (config.backend.kind == BackendKind::kReplay) {
+    config.clock = ClockKind::kVirtual;
+    config.duration_s = command_line.duration_s.value_or(0.0);
+  }
+  if (config.backend.kind == BackendKind::kCan && config.clock == ClockKind::kVirtual &&
+      !command_line.only_rig) {
+    throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +
+                                ", expected monotonic: a bus does not wait");
+  }
+}
+
 // Drives that move a leg are watched. Of a log they were, and a rehearsal is refused where there are any.
 void requireWatchedDrives(const RunConfig& config, bool only_rig) {
   if (config.backend.kind == BackendKind::kCan && !config.rehearsal && !only_rig &&
@@ -267,18 +281,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
     config.faults = loadFaultScript(config.faults_path, stage, config.model.joints(), busNames(config.buses));
     config.rig.faults = config.faults;
   }
-
-  // A log holds its own time: it is played as fast as the machine allows, and to its end unless the command
-  // line asks for a part of it.
-  if (config.backend.kind == BackendKind::kReplay) {
-    config.clock = ClockKind::kVirtual;
-    config.duration_s = command_line.duration_s.value_or(0.0);
-  }
-  if (config.backend.kind == BackendKind::kCan && config.clock == ClockKind::kVirtual &&
-      !command_line.only_rig) {
-    throw std::invalid_argument("clock 'virtual' with backend can:" + config.backend.target +
-                                ", expected monotonic: a bus does not wait");
-  }
+  fitClock(command_line, config);
   requireWatchedDrives(config, command_line.only_rig);
   located(config.bus_map_path, [&] { requireSyncPeriod(config); });
   config.loop.max_ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.loop.rate_Hz));

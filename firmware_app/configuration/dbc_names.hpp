@@ -8,6 +8,6 @@ namespace patella::app {
 
 /// Throws FileError with line, key and value of the first message or signal that the database does not have,
 /// and what it has in its place. `root`: of the bus map.
-void checkBusNames(const TomlTable& root, const can::Database& database);
+void checkDbcNames(const TomlTable& root, const can::Database& database);
 
 }  // namespace patella::app

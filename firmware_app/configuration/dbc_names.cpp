@@ -1,4 +1,4 @@
-#include "firmware_app/configuration/bus_names.hpp"
+#include "firmware_app/configuration/dbc_names.hpp"
 
 #include <string>
 #include <vector>
@@ -55,7 +55,7 @@ void checkCommandNames(const TomlTable& command, const can::Database& database) 
 
 }  // namespace
 
-void checkBusNames(const TomlTable& root, const can::Database& database) {
+void checkDbcNames(const TomlTable& root, const can::Database& database) {
   for (const TomlTable& table : root.tables("input")) {
     checkSignals(table, messageAt(table, database), {"signal"});
   }
