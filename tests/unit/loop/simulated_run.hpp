@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <doctest/doctest.h>
+
 #include "core/estimation/implicit_sampler.hpp"
 #include "core/safety/state_machine.hpp"
 #include "drivers/gpio/pins.hpp"
@@ -217,5 +219,13 @@ class SimulatedRun {
   Watchdog* watchdog = nullptr;
   std::atomic<bool> stop{false};
 };
+
+/// The tick commands no torque, and leaves the enable line low.
+inline void checkNoTorque(const SimulatedRun& run, int tick) {
+  CAPTURE(tick);
+  CHECK(run.command(tick).torque_is_zero);
+  CHECK_FALSE(run.command(tick).enable);
+  CHECK_FALSE(run.driveEnable(tick));
+}
 
 }  // namespace patella::app
