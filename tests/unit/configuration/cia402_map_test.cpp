@@ -8,25 +8,20 @@
 #include "drivers/can/command_encoder.hpp"
 #include "drivers/can/measurement_decoder.hpp"
 #include "firmware_app/configuration/bus_map_file.hpp"
-#include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
-#include "firmware_app/files/file_error.hpp"
-#include "tests/support/scratch_folder.hpp"
-#include "tools/checkout/checkout.hpp"
+#include "tests/unit/configuration/changed_config.hpp"
 
 using namespace patella;
 using namespace patella::app;
+using namespace patella::test;
 
 namespace {
 
-const std::filesystem::path kMap = checkout::source() / "firmware_app/config/can/cia402.toml";
+const std::filesystem::path kMap = kShipped / "can/cia402.toml";
 
 /// The shipped map with one place changed; what is said of it.
 std::string refusal(const std::string& from, const std::string& to) {
-  std::string text = readFile(kMap);
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  text.replace(at, from.size(), to);
+  const std::string text = changed(readFile(kMap), {from, to});
   try {
     const BusDescription bus = parseBusDescription(text, kMap.string());
     const can::CommandEncoder encoder(bus.database, bus.commands, 2);
@@ -35,11 +30,6 @@ std::string refusal(const std::string& from, const std::string& to) {
     return error.what();
   }
   return "";
-}
-
-bool says(const std::string& text, const char* part) {
-  CAPTURE(text);
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace
@@ -90,38 +80,13 @@ TEST_CASE("CiA 402: a map that is wrong is told of by line, key, value and what 
 namespace {
 
 /// A run with the shipped map, at another rate; what is said of it.
-std::string refusalOfRun(double rate_Hz, const std::string& period, const std::string& from = "",
-                         const std::string& to = "") {
-  const test::ScratchFolder folder;
-  const std::filesystem::path config = checkout::source() / "firmware_app/config";
-  std::string map = readFile(kMap);
-  const auto replace = [](std::string& text, const std::string& old, const std::string& now) {
-    for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + now.size()))
-      text.replace(at, old.size(), now);
-  };
-  replace(map, "\"cia402.", "\"" + (config / "can/cia402.").string());
-  replace(map, "encoder_period_s = 0.001", "encoder_period_s = " + period);
-  replace(map, "encoder_timeout_s = 0.005", "encoder_timeout_s = 0.02");
-  if (!from.empty()) {
-    REQUIRE(map.find(from) != std::string::npos);
-    replace(map, from, to);
-  }
-  writeFile(folder.path() / "map.toml", map);
-  std::string run = readFile(config / "adult.toml");
-  replace(run, "\nweights = ", "\n# ");
-  replace(run, "\nvelocity_cutoff_Hz = ", "\n# ");
-  replace(run, "\"models/", "\"" + (config / "models/").string());
-  replace(run, "\"can/patella.toml\"", "\"" + (folder.path() / "map.toml").string() + "\"");
-  writeFile(folder.path() / "run.toml", run);
-  CommandLine line;
-  line.config = folder.path() / "run.toml";
-  line.rate_Hz = rate_Hz;
-  try {
-    loadRunConfig(line);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+std::string refusalOfRun(double rate_Hz, const std::string& period, const Change& change = {"# ", "# "}) {
+  std::string map =
+      changedEverywhere(readFile(kMap), {"\"cia402.", "\"" + (kShipped / "can/cia402.").string()});
+  map = changed(map, {"encoder_period_s = 0.001", "encoder_period_s = " + period});
+  map = changed(map, {"encoder_timeout_s = 0.005", "encoder_timeout_s = 0.02"});
+  const std::string run = changed(adultBesideItsMap(), {"\nvelocity_cutoff_Hz = ", "\n# "});
+  return refusalOf(run, changed(map, change), rate_Hz);
 }
 
 }  // namespace
@@ -142,10 +107,12 @@ TEST_CASE("CiA 402: heartbeats are no faster than a tick, and time-outs hold two
              "map.toml: key 'canopen.heartbeat_period_s': value 0.005, expected at least 0.01, a tick at "
              "loop.rate_Hz of 100"));
   const std::string loop = "heartbeat_period_s = 0.005\nheartbeat_timeout_s = 0.02 ";
-  CHECK(refusalOfRun(100.0, "0.01", loop, "heartbeat_period_s = 0.01\nheartbeat_timeout_s = 0.02 ").empty());
+  CHECK(
+      refusalOfRun(100.0, "0.01", {loop, "heartbeat_period_s = 0.01\nheartbeat_timeout_s = 0.02 "}).empty());
   const std::string node = "node_heartbeat_period_s = 0.01\nnode_heartbeat_timeout_s = 0.03";
-  CHECK(says(
-      refusalOfRun(200.0, "0.005", node, "node_heartbeat_period_s = 0.002\nnode_heartbeat_timeout_s = 0.009"),
-      "map.toml: key 'canopen.node_heartbeat_timeout_s': value 0.009, expected at least 0.01, two ticks "
-      "at loop.rate_Hz of 200"));
+  CHECK(
+      says(refusalOfRun(200.0, "0.005",
+                        {node, "node_heartbeat_period_s = 0.002\nnode_heartbeat_timeout_s = 0.009"}),
+           "map.toml: key 'canopen.node_heartbeat_timeout_s': value 0.009, expected at least 0.01, two ticks "
+           "at loop.rate_Hz of 200"));
 }

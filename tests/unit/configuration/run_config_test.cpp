@@ -12,18 +12,20 @@
 #include "core/model/presets.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
-#include "firmware_app/recorder/run_summary.hpp"
+#include "firmware_app/recorder/input_files.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tests/unit/configuration/changed_config.hpp"
 #include "tests/unit/model/chains.hpp"
 #include "tools/checkout/checkout.hpp"
 
 using namespace patella::app;
+using namespace patella::test;
 
 namespace {
 
 CommandLine shipped() {
   CommandLine line;
-  line.config = patella::checkout::source() / "firmware_app/config/adult.toml";
+  line.config = kShipped / "adult.toml";
   return line;
 }
 
@@ -36,7 +38,7 @@ TEST_CASE("a script of faults names encoders and drives of the joints that there
                                           "\"\ntime_s = 1\nchannel = \"" + channel + "\"\n" +
                                           (std::string(kind) == "encoder_jump" ? "offset_rad = 0.5\n" : ""));
     CommandLine line;
-    line.config = patella::checkout::source() / "firmware_app/config" / configuration;
+    line.config = kShipped / configuration;
     line.faults = folder / "faults.toml";
     return loadRunConfig(line).faults.at(0).channel;
   };
@@ -194,14 +196,7 @@ TEST_CASE(
           "observer = \"kalman_force\"\nposition_noise_rad = 1e-4\ntorque_noise_Nm = 0.01\n"
           "disturbance_density = [5, 5]\ndisturbance_limit = 50\n");
   text.erase(text.find("delta_rad_s2"), text.find("velocity_cutoff_Hz") - text.find("delta_rad_s2"));
-  const std::string beside = (shipped().config.parent_path() / "").string();
-  for (const char* in : {"can/", "models/", "weights/", "references/"}) {
-    for (std::size_t at = 0; (at = text.find("\"" + std::string(in), at)) != std::string::npos;
-         at += beside.size()) {
-      text.insert(at + 1, beside);
-    }
-  }
-  writeFile(folder / "force.toml", text);
+  writeFile(folder / "force.toml", withShippedPaths(text));
   for (const patella::model::MechanismDescription& chain :
        {patella::model::MechanismDescription(leg),
         patella::model::MechanismDescription(patella::model::ChainGroupParameters{{leg}})}) {
@@ -214,39 +209,11 @@ TEST_CASE(
 namespace {
 
 /// The demonstration with one place of its configuration and one of its bus map changed; what is said of it.
-std::string refusal(const std::string& from, const std::string& to, const std::string& map_from = "",
-                    const std::string& map_to = "") {
-  const patella::test::ScratchFolder folder;
-  const std::filesystem::path config = patella::checkout::source() / "firmware_app/config";
-  const auto replace = [](std::string& text, const std::string& old, const std::string& now) {
-    REQUIRE(text.find(old) != std::string::npos);
-    for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + now.size()))
-      text.replace(at, old.size(), now);
-  };
-  std::string map = readFile(config / "can/patella.toml");
-  replace(map, "dbc = \"../../../", "dbc = \"" + patella::checkout::source().string() + "/");
-  if (!map_from.empty())
-    replace(map, map_from, map_to);
-  writeFile(folder / "map.toml", map);
-  std::string run = readFile(config / "adult.toml");
-  replace(run, "\nweights = ", "\n# ");
-  replace(run, "\"models/", "\"" + (config / "models/").string());
-  replace(run, "\"can/patella.toml\"", "\"map.toml\"");
-  replace(run, from, to);
-  writeFile(folder / "run.toml", run);
-  CommandLine line;
-  line.config = folder / "run.toml";
-  try {
-    loadRunConfig(line);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool says(const std::string& text, const char* part) {
-  CAPTURE(text);
-  return text.find(part) != std::string::npos;
+std::string refusal(const Change& run, const Change& map = {"# ", "# "}) {
+  const std::string absolute =
+      changed(readFile(kShipped / "can/patella.toml"),
+              {"dbc = \"../../../", "dbc = \"" + patella::checkout::source().string() + "/"});
+  return refusalOf(changedEverywhere(adultBesideItsMap(), run), changedEverywhere(absolute, map));
 }
 
 }  // namespace
@@ -292,23 +259,24 @@ TEST_CASE("URDFs of the models and the log of the rig's EMG are inputs of a run,
 }
 
 TEST_CASE("EMG that assists has its electrodes on the bus") {
-  CHECK(refusal("emg = 0.3", "emg = 0.3").empty());
-  CHECK(says(refusal("emg = 0.3", "emg = 0.3", "{ name = \"emg_mV.4", "# {"),
+  CHECK(refusal({"emg = 0.3", "emg = 0.3"}).empty());
+  CHECK(says(refusal({"emg = 0.3", "emg = 0.3"}, {"{ name = \"emg_mV.4", "# {"}),
              "key 'control.emg': value 0.3, expected 0, or an input emg_mV.4, to which emg.gain2_Nm gives "
              "torque, of "));
-  CHECK(refusal("gain2_Nm = [0, 0, 8, -8]", "gain2_Nm = [0, 0, 8, 0]", "{ name = \"emg_mV.4", "# {").empty());
-  CHECK(refusal("emg = 0.3", "emg = 0", "{ name = \"emg_mV.4", "# {").empty());
-  CHECK(says(refusal("emg = 0.3", "emg = -1", "{ name = \"emg_mV.", "# {"),
+  CHECK(refusal({"gain2_Nm = [0, 0, 8, -8]", "gain2_Nm = [0, 0, 8, 0]"}, {"{ name = \"emg_mV.4", "# {"})
+            .empty());
+  CHECK(refusal({"emg = 0.3", "emg = 0"}, {"{ name = \"emg_mV.4", "# {"}).empty());
+  CHECK(says(refusal({"emg = 0.3", "emg = -1"}, {"{ name = \"emg_mV.", "# {"}),
              "key 'control.emg': value -1, expected 0, or an input emg_mV of "));
 }
 
 TEST_CASE("positions within the safety range are plausible on the bus") {
   const std::string lower = "position_min_rad = -6.3";
   const std::string upper = "position_max_rad = 6.3";
-  CHECK(refusal("emg = 0.3", "emg = 0", lower, "position_min_rad = -2.2").empty());
-  CHECK(says(refusal("emg = 0.3", "emg = 0", lower, "position_min_rad = -2.1"),
+  CHECK(refusal({"emg = 0.3", "emg = 0"}, {lower, "position_min_rad = -2.2"}).empty());
+  CHECK(says(refusal({"emg = 0.3", "emg = 0"}, {lower, "position_min_rad = -2.1"}),
              "key 'safety.q_min_rad': value -2.2, expected at least checks.position_min_rad of "));
-  CHECK(refusal("emg = 0.3", "emg = 0", upper, "position_max_rad = 0.2").empty());
-  CHECK(says(refusal("emg = 0.3", "emg = 0", upper, "position_max_rad = 0.15"),
+  CHECK(refusal({"emg = 0.3", "emg = 0"}, {upper, "position_max_rad = 0.2"}).empty());
+  CHECK(says(refusal({"emg = 0.3", "emg = 0"}, {upper, "position_max_rad = 0.15"}),
              "key 'safety.q_max_rad': value 0.2, expected at most checks.position_max_rad of "));
 }

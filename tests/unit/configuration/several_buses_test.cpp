@@ -9,44 +9,25 @@
 #include "firmware_app/configuration/run_config.hpp"
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/scratch_folder.hpp"
-#include "tools/checkout/checkout.hpp"
+#include "tests/unit/configuration/changed_config.hpp"
 
 using namespace patella;
 using namespace patella::app;
+using namespace patella::test;
 
 namespace {
-
-const std::filesystem::path kConfig = checkout::source() / "firmware_app/config";
-
-struct Change {
-  std::string from, to;
-};
-
-std::string changed(std::string text, const Change& change) {
-  const std::size_t at = text.find(change.from);
-  REQUIRE_MESSAGE(at != std::string::npos, "the example has no '", change.from, "'");
-  return text.replace(at, change.from.size(), change.to);
-}
-
-void makeAbsolute(std::string& text, const std::string& start) {
-  for (std::size_t at = text.find("\"" + start); at != std::string::npos;
-       at = text.find("\"" + start, at + kConfig.string().size())) {
-    text.insert(at + 1, (kConfig / "").string());
-  }
-}
 
 /// The shipped example with a place of the run configuration and one of its bus map changed.
 RunConfig load(const Change& run, const Change& map, const std::string& backend = "",
                const std::string& faults = "") {
-  const test::ScratchFolder folder;
-  std::string map_text = changed(readFile(kConfig / "can/two_buses.toml"), map);
-  map_text = changed(map_text, {"\"cia402.dbc\"", "\"" + (kConfig / "can/cia402.dbc").string() + "\""});
-  for (int drive = 0; drive < 2; ++drive) {
-    map_text = changed(map_text, {"\"cia402.eds\"", "\"" + (kConfig / "can/cia402.eds").string() + "\""});
-  }
-  std::string text = changed(readFile(kConfig / "two_buses.toml"), run);
-  makeAbsolute(text, "models/");
-  writeFile(folder.path() / "run.toml", changed(text, {"\"can/two_buses.toml\"", "\"map.toml\""}));
+  const ScratchFolder folder;
+  std::string map_text = changed(readFile(kShipped / "can/two_buses.toml"), map);
+  map_text = changed(map_text, {"\"cia402.dbc\"", "\"" + (kShipped / "can/cia402.dbc").string() + "\""});
+  map_text =
+      changedEverywhere(map_text, {"\"cia402.eds\"", "\"" + (kShipped / "can/cia402.eds").string() + "\""});
+  const std::string text = changed(changed(readFile(kShipped / "two_buses.toml"), run),
+                                   {"\"can/two_buses.toml\"", "\"map.toml\""});
+  writeFile(folder.path() / "run.toml", withShippedPaths(text));
   writeFile(folder.path() / "map.toml", map_text);
   CommandLine line;
   line.config = folder.path() / "run.toml";
@@ -64,13 +45,7 @@ const Change kNoChange{"# ", "# "};
 
 std::string refusal(const Change& run, const Change& map, const std::string& backend = "",
                     const std::string& faults = "") {
-  return test::messageOf<std::exception>([&] { load(run, map, backend, faults); });
-}
-
-bool says(const std::string& text, const std::string& part) {
-  CAPTURE(text);
-  CAPTURE(part);
-  return text.find(part) != std::string::npos;
+  return messageOf<std::exception>([&] { load(run, map, backend, faults); });
 }
 
 constexpr const char* kSecondInterface = "interface = \"can1\"";
@@ -139,7 +114,7 @@ TEST_CASE("two buses: a message is on one of them, and on which has to be said")
 }
 
 TEST_CASE("one bus: without a name none may be named, with a name it may be left out") {
-  const std::string two = readFile(kConfig / "two_buses.toml");
+  const std::string two = readFile(kShipped / "two_buses.toml");
   const std::size_t begin = two.find("[[bus]]");
   const std::size_t second = two.find("[[bus]]", begin + 1);
   const std::string tables = two.substr(begin, two.find("[estimation]") - begin);
@@ -167,10 +142,10 @@ TEST_CASE("two buses: a script of faults strikes one of them, or all") {
 }
 
 TEST_CASE("a bus needs CAN FD where the loop sends or needs a message of it, and no other bus does") {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   const auto found = [&](const std::string& fd_id, const std::string& map_name) {
     const std::string dbc = map_name == "patella" ? readFile(checkout::source() / "drivers/can/patella.dbc")
-                                                  : readFile(kConfig / "can/cia402.dbc");
+                                                  : readFile(kShipped / "can/cia402.dbc");
     std::string attributes =
         "\nBA_DEF_ BO_ \"VFrameFormat\" ENUM "
         "\"StandardCAN\",\"ExtendedCAN\",\"r2\",\"r3\",\"r4\",\"r5\",\"r6\",\"r7\","
@@ -179,11 +154,11 @@ TEST_CASE("a bus needs CAN FD where the loop sends or needs a message of it, and
     if (!fd_id.empty())
       attributes += "BA_ \"VFrameFormat\" BO_ " + fd_id + " 14;\n";
     writeFile(folder.path() / "fd.dbc", dbc + attributes);
-    std::string map = readFile(kConfig / "can" / (map_name + ".toml"));
+    std::string map = readFile(kShipped / "can" / (map_name + ".toml"));
     map = changed(map, map_name == "patella" ? Change{"\"../../../drivers/can/patella.dbc\"", "\"fd.dbc\""}
                                              : Change{"\"cia402.dbc\"", "\"fd.dbc\""});
     for (int drive = 0; map_name != "patella" && drive < 2; ++drive)
-      map = changed(map, {"\"cia402.eds\"", "\"" + (kConfig / "can/cia402.eds").string() + "\""});
+      map = changed(map, {"\"cia402.eds\"", "\"" + (kShipped / "can/cia402.eds").string() + "\""});
     writeFile(folder.path() / "map.toml", map);
     const BusNames names =
         map_name == "patella" ? BusNames() : BusNames(std::vector<std::string>{"hip", "knee"});
