@@ -18,16 +18,30 @@ namespace {
 
 constexpr int kCannotStart = 127;  // as shells have it
 
+// Between fork and exec, where next to nothing may be called.
+void say(const char* text) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
+}
+
+[[noreturn]] void giveUp(const char* what, const char* on) {
+  const char* why = strerrordesc_np(errno);
+  say(what);
+  say(on);
+  say(": ");
+  say(why != nullptr ? why : "unknown error");
+  say("\n");
+  _exit(kCannotStart);
+}
+
+// What a program says must not be taken for what its parent says.
 void redirect(int descriptor, const std::filesystem::path& path) {
   if (path.empty()) {
     return;
   }
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
-  dup2(file, descriptor);
-}
-
-void say(const char* text) {
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
+  if (file < 0 || dup2(file, descriptor) < 0) {
+    giveUp("cannot write ", path.c_str());
+  }
 }
 
 }  // namespace
@@ -52,13 +66,7 @@ pid_t start(const std::vector<std::string>& words, const Streams& streams,
     prepare();
   }
   execvp(arguments[0], arguments.data());
-  const char* why = strerrordesc_np(errno);
-  say("cannot start ");
-  say(arguments[0]);
-  say(": ");
-  say(why != nullptr ? why : "unknown error");
-  say("\n");
-  _exit(kCannotStart);
+  giveUp("cannot start ", arguments[0]);
 }
 
 Ending wait(pid_t pid) {

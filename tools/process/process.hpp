@@ -24,9 +24,9 @@ struct Ending {
 };
 
 /// Starts a program, which is looked for in PATH unless its name has a slash. `prepare` is called in the new
-/// process, right before the program takes its place; one that cannot be started ends with status 127 and a
-/// line among its errors. It is ended where this program is interrupted. Throws std::system_error where there
-/// is no room for another process.
+/// process, right before the program takes its place. One that cannot be started, or whose output cannot be
+/// written to its file, ends with status 127 and a line among its errors. It is ended where this program is
+/// interrupted. Throws std::system_error where there is no room for another process.
 pid_t start(const std::vector<std::string>& words, const Streams& streams,
             const std::function<void()>& prepare = {});
 

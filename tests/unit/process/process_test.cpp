@@ -82,6 +82,15 @@ TEST_CASE("a program that is not there is named among the errors") {
   CHECK(read(folder / "out") == "cannot start patella-no-such-program: No such file or directory\n");
 }
 
+TEST_CASE("a program whose output has nowhere to go is not started") {
+  const ScratchFolder folder;
+  const process::Ending ending =
+      process::wait(process::start({"sh", "-c", "echo out; touch " + (folder / "started").string()},
+                                   {.output = folder / "no folder/out", .errors = folder / "err"}));
+  CHECK(ending.exit_status == 127);
+  CHECK_FALSE(std::filesystem::exists(folder / "started"));
+}
+
 TEST_CASE("a background program ends with its children when the object goes") {
   const ScratchFolder folder;
   // The child holds the pipe open: reading ends when both are gone.
