@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <ctime>
+#include <span>
 #include <string>
 #include <system_error>
 #include <tuple>
@@ -14,6 +15,7 @@
 #include <edflib.h>
 
 #include "drivers/can/candump_log.hpp"
+#include "drivers/files/interruption.hpp"
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/run_events.hpp"
 #include "tools/convert/run_signals.hpp"
@@ -167,29 +169,19 @@ void makeRoom(const BdfFile& file, const std::filesystem::path& bdf, std::size_t
                "annotations");
 }
 
-}  // namespace
-
-BdfReport convertRunToBdf(const std::filesystem::path& run, const std::filesystem::path& bdf) {
-  std::vector<std::string> stems;
-  for (const Naming& naming : kNamings) {
-    stems.push_back(naming.stem);
-  }
-  RunSignals run_signals = findSignals(run, stems);
-  auto& signals = run_signals.signals;
-  // Signals of one kind by their number, "emg2" before "emg10".
+/// Signals of one kind by their number, "emg2" before "emg10".
+void sortByKind(std::vector<RunSignal>& signals) {
   const auto rank = [](const RunSignal& signal) {
     return std::tuple(&namingOf(signal.column), signal.column.size(), signal.column);
   };
   std::sort(signals.begin(), signals.end(),
             [&](const RunSignal& a, const RunSignal& b) { return rank(a) < rank(b); });
-  const auto rate = static_cast<std::size_t>(run_signals.rate_Hz);
-  const std::size_t records = (run_signals.samples + rate - 1) / rate;
-  std::vector<Annotation> annotations = annotationsOf(run, run_signals.start_s);
-  annotations.push_back({static_cast<double>(run_signals.samples) / run_signals.rate_Hz, "end of the run"});
+}
 
-  BdfFile file(bdf, static_cast<int>(signals.size()));
+/// Writes the head of each signal; returns their ranges, ±, in the units of the signals.
+std::vector<double> describeSignals(const BdfFile& file, const RunSignals& run_signals) {
   std::vector<double> ranges;
-  for (const RunSignal& signal : signals) {
+  for (const RunSignal& signal : run_signals.signals) {
     ranges.push_back(rangeOf(signal.largest));
     if (ranges.back() == 0.0) {
       throw app::FileError(run_signals.ticks.string() + ": column '" + signal.column +
@@ -197,14 +189,14 @@ BdfReport convertRunToBdf(const std::filesystem::path& run, const std::filesyste
     }
     describe(file, static_cast<int>(ranges.size()) - 1, signal, run_signals.rate_Hz, ranges.back());
   }
-  describeStart(file, startOf(run) + std::llround(1e9 * run_signals.start_s));
-  makeRoom(file, bdf, annotations.size(), records);
+  return ranges;
+}
 
-  BdfReport report{.signals = signals.size(),
-                   .samples = run_signals.samples,
-                   .rate_Hz = run_signals.rate_Hz,
-                   .annotations = annotations.size()};
-  std::vector<std::vector<int>> record(signals.size());
+/// A record of each signal for every second, the last one filled up. Returns the samples that were held.
+std::size_t writeSamples(const BdfFile& file, const RunSignals& run_signals,
+                         const std::vector<double>& ranges) {
+  const auto rate = static_cast<std::size_t>(run_signals.rate_Hz);
+  std::vector<std::vector<int>> record(ranges.size());
   const auto flush = [&] {
     for (std::vector<int>& samples : record) {
       samples.resize(rate, samples.back());
@@ -212,7 +204,7 @@ BdfReport convertRunToBdf(const std::filesystem::path& run, const std::filesyste
       samples.clear();
     }
   };
-  report.held = forEachSample(run_signals, [&](double /*time_s*/, std::span<const double> values) {
+  const std::size_t held = forEachSample(run_signals, [&](double /*time_s*/, std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       record[i].push_back(static_cast<int>(std::lround(values[i] / ranges[i] * kDigitalMaximum)));
     }
@@ -223,14 +215,44 @@ BdfReport convertRunToBdf(const std::filesystem::path& run, const std::filesyste
   if (!record.front().empty()) {
     flush();
   }
+  return held;
+}
+
+void writeAnnotations(const BdfFile& file, const std::vector<Annotation>& annotations) {
   for (const Annotation& annotation : annotations) {
     file.require(
         edfwrite_annotation_utf8(file.handle(), std::llround(annotation.time_s * kAnnotationUnits_1_s), -1,
                                  annotation.text.c_str()),
         "an annotation");
   }
+}
+
+}  // namespace
+
+BdfReport convertRunToBdf(const std::filesystem::path& run, const std::filesystem::path& bdf) {
+  std::vector<std::string> stems;
+  for (const Naming& naming : kNamings) {
+    stems.push_back(naming.stem);
+  }
+  RunSignals run_signals = findSignals(run, stems);
+  sortByKind(run_signals.signals);
+  const auto rate = static_cast<std::size_t>(run_signals.rate_Hz);
+  const std::size_t records = (run_signals.samples + rate - 1) / rate;
+  std::vector<Annotation> annotations = annotationsOf(run, run_signals.start_s);
+  annotations.push_back({static_cast<double>(run_signals.samples) / run_signals.rate_Hz, "end of the run"});
+
+  BdfFile file(bdf, static_cast<int>(run_signals.signals.size()));
+  const std::vector<double> ranges = describeSignals(file, run_signals);
+  describeStart(file, startOf(run) + std::llround(1e9 * run_signals.start_s));
+  makeRoom(file, bdf, annotations.size(), records);
+  const std::size_t held = writeSamples(file, run_signals, ranges);
+  writeAnnotations(file, annotations);
   file.commit();
-  return report;
+  return {.signals = run_signals.signals.size(),
+          .samples = run_signals.samples,
+          .rate_Hz = run_signals.rate_Hz,
+          .held = held,
+          .annotations = annotations.size()};
 }
 
 }  // namespace patella::convert

@@ -66,35 +66,50 @@ Series restingSeries(const Recording& recording, const Segment& segment) {
   return series;
 }
 
-Series movingSeries(const Recording& recording, const Segment& segment, const DatasetOptions& options) {
-  const double rate = recording.rate_Hz;
-  const double smoothing_Hz = std::min(options.smoothing_Hz, 0.2 * rate);
-  const auto step = static_cast<std::size_t>(std::max(1.0, std::floor(rate / options.evaluation_rate_Hz)));
-  const auto smooth = [&](const Samples& raw) {
-    return everyNth(offline::zeroPhaseLowPass(raw, smoothing_Hz, rate, kFilterOrder), step);
+/// Of one joint, at the instants of a series.
+struct JointSamples {
+  Samples q, dq, ddq, asked_ddq;  ///< rad and its rates
+  Samples torque_Nm, asked_torque_Nm;
+};
+
+/// Every `step`-th sample of what is left of a stretch of the recording below options.smoothing_Hz.
+JointSamples smoothedJoint(const Recording& recording, const Segment& segment, const DatasetOptions& options,
+                           std::size_t joint, std::size_t step) {
+  const double rate_Hz = recording.rate_Hz;
+  const double kept_rate_Hz = rate_Hz / static_cast<double>(step);
+  const auto smooth = [&](const Samples& raw, double cutoff_Hz) {
+    return offline::zeroPhaseLowPass(raw, cutoff_Hz, rate_Hz, kFilterOrder);
   };
-  Series series;
-  series.rate_Hz = rate / static_cast<double>(step);
-  std::array<Samples, kMaxJoints> q, dq, ddq, slow, torque, asked;
+  const double smoothing_Hz = std::min(options.smoothing_Hz, 0.2 * rate_Hz);
+  // Differentiated at the full rate, where central differences reach furthest.
+  const Samples position = smooth(part(recording.position_rad[joint], segment), smoothing_Hz);
+  const Samples velocity = offline::derivative(position, rate_Hz);
+  const Samples acceleration = offline::derivative(velocity, rate_Hz);
+  const Samples torque = actingTorque(part(recording.torque_Nm[joint], segment), recording.torque_timing);
+  JointSamples kept{
+      .q = everyNth(position, step),
+      .dq = everyNth(velocity, step),
+      .ddq = everyNth(acceleration, step),
+      .asked_ddq = everyNth(smooth(acceleration, std::min(0.5 * options.band_Hz, 0.1 * rate_Hz)), step),
+      .torque_Nm = everyNth(smooth(torque, smoothing_Hz), step),
+      .asked_torque_Nm = {}};
+  if (options.asked_part) {
+    kept.asked_ddq =
+        offline::lineSpectrumPart(kept.asked_ddq, kept_rate_Hz, {.highest_Hz = 0.5 * options.band_Hz});
+    kept.asked_torque_Nm =
+        offline::lineSpectrumPart(kept.torque_Nm, kept_rate_Hz, {.highest_Hz = options.band_Hz});
+  } else {
+    kept.asked_torque_Nm.assign(kept.torque_Nm.size(), 0.0);
+  }
+  return kept;
+}
+
+Series movingSeries(const Recording& recording, const Segment& segment, const DatasetOptions& options) {
+  const auto step =
+      static_cast<std::size_t>(std::max(1.0, std::floor(recording.rate_Hz / options.evaluation_rate_Hz)));
+  std::vector<JointSamples> joints;
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
-    // Differentiated at the full rate, where central differences reach furthest.
-    const Samples position =
-        offline::zeroPhaseLowPass(part(recording.position_rad[j], segment), smoothing_Hz, rate, kFilterOrder);
-    const Samples velocity = offline::derivative(position, rate);
-    q[j] = everyNth(position, step);
-    dq[j] = everyNth(velocity, step);
-    const Samples acceleration = offline::derivative(velocity, rate);
-    ddq[j] = everyNth(acceleration, step);
-    slow[j] = everyNth(offline::zeroPhaseLowPass(acceleration, std::min(0.5 * options.band_Hz, 0.1 * rate),
-                                                 rate, kFilterOrder),
-                       step);
-    if (options.asked_part) {
-      slow[j] = offline::lineSpectrumPart(slow[j], series.rate_Hz, {.highest_Hz = 0.5 * options.band_Hz});
-    }
-    torque[j] = smooth(actingTorque(part(recording.torque_Nm[j], segment), recording.torque_timing));
-    asked[j] = options.asked_part
-                   ? offline::lineSpectrumPart(torque[j], series.rate_Hz, {.highest_Hz = options.band_Hz})
-                   : Samples(torque[j].size(), 0.0);
+    joints.push_back(smoothedJoint(recording, segment, options, j, step));
   }
   std::array<Samples, kMaxEmgChannels> activation;
   for (std::size_t channel = 0; channel < activation.size(); ++channel) {
@@ -102,32 +117,29 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
       activation[channel] = everyNth(part(recording.activation[channel], segment), step);
     }
   }
-  for (std::size_t i = 0; i < q[0].size(); ++i) {
-    model::EffectInput state;
-    JointVector acceleration(recording.joints);
-    JointVector asked_acceleration(recording.joints);
-    JointVector asked_torque_Nm(recording.joints);
-    state.q.resize(recording.joints);
-    state.dq.resize(recording.joints);
-    state.torque_Nm.resize(recording.joints);
-    for (int joint = 0; joint < recording.joints; ++joint) {
-      const auto j = static_cast<std::size_t>(joint);
-      state.q[joint] = q[j][i];
-      state.dq[joint] = dq[j][i];
-      state.torque_Nm[joint] = torque[j][i];
-      acceleration[joint] = ddq[j][i];
-      asked_acceleration[joint] = slow[j][i];
-      asked_torque_Nm[joint] = asked[j][i];
+  const auto at = [&](Samples JointSamples::*samples, std::size_t i) {
+    JointVector values(recording.joints);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      values[static_cast<Eigen::Index>(j)] = (joints[j].*samples)[i];
     }
+    return values;
+  };
+  Series series;
+  series.rate_Hz = recording.rate_Hz / static_cast<double>(step);
+  for (std::size_t i = 0; i < joints.front().q.size(); ++i) {
+    model::EffectInput state;
+    state.q = at(&JointSamples::q, i);
+    state.dq = at(&JointSamples::dq, i);
+    state.torque_Nm = at(&JointSamples::torque_Nm, i);
     for (std::size_t channel = 0; channel < activation.size(); ++channel) {
       state.activation[channel] = activation[channel].empty() ? 0.0 : activation[channel][i];
     }
     state.time_s = recording.time_s[segment.first + i * step];
     series.states.push_back(state);
-    series.acceleration.push_back(acceleration);
-    series.asked_acceleration.push_back(asked_acceleration);
+    series.acceleration.push_back(at(&JointSamples::ddq, i));
+    series.asked_acceleration.push_back(at(&JointSamples::asked_ddq, i));
     series.measured_torque_Nm.push_back(state.torque_Nm);
-    series.asked_torque_Nm.push_back(asked_torque_Nm);
+    series.asked_torque_Nm.push_back(at(&JointSamples::asked_torque_Nm, i));
   }
   return series;
 }
