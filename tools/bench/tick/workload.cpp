@@ -154,7 +154,8 @@ app::LoopStatistics runWorkload(const std::filesystem::path& path, const Workloa
     clock.fetchFor(fetched.get());
     bus = std::move(fetched);
   } else {
-    bus = std::make_unique<can::SocketCanBus>(pace.interface);
+    const can::SocketCanOptions options{.require_fd = !app::fdMessage(config.bus, 0).empty()};
+    bus = std::make_unique<can::SocketCanBus>(pace.interface, options);
   }
   gpio::SimulatedPins pins;
   can::MeasurementDecoder decoder = app::makeDecoder(config);
