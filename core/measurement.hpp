@@ -27,9 +27,8 @@ struct Measurement {
   /// Least and largest of all reports since the tick before; those of the newest where none has come.
   JointVector lowest_drive_torque_Nm, highest_drive_torque_Nm;
   EmgArray emg_mV{};
-  bool has_velocity = false;  ///< the encoder delivers a rate; otherwise it is derived from position
-  bool has_drive_torque =
-      false;  ///< a drive status is bound; otherwise the commanded torque is taken as applied
+  bool has_velocity = false;      ///< the encoder delivers a rate; otherwise it is derived from position
+  bool has_drive_torque = false;  ///< a drive status is bound; otherwise the command is taken as applied
   std::array<EnabledReport, kMaxJoints> drive_enabled{};  ///< by the joint's drive
   PerJoint drive_temperature_degC = kNotReported;         ///< for the record; NaN where no drive tells it
   PerJoint drive_error = kNotReported;                    ///< code of the drive's own, likewise

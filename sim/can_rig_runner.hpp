@@ -13,9 +13,8 @@
 namespace patella::sim {
 
 struct RigRunOptions {
-  double duration_s = 0.0;  ///< 0: until told to stop
-  int polls_per_period =
-      4;  ///< how often the bus is looked at in a sensor period: a command waits at most so long
+  double duration_s = 0.0;   ///< 0: until told to stop
+  int polls_per_period = 4;  ///< times that the bus is looked at in a sensor period; commands wait between
   /// Takes the interface of a bus down (true) and up again where a script says so; may be empty.
   std::function<void(std::size_t bus, bool down)> set_interface_down{};
 };

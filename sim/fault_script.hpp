@@ -1,5 +1,4 @@
-// The script of faults, with kind, time and place: the rig, and the loop's clock and lines, act
-// it out.
+// The script of faults, with kind, time and place: the rig, and the loop's clock and lines, act it out.
 #pragma once
 
 #include <algorithm>
@@ -54,8 +53,8 @@ enum class FaultKind : std::uint8_t {
 };
 
 inline constexpr int kFaultKindCount = static_cast<int>(FaultKind::kCount);
-/// The kinds before these happen in the time of the script and to any rig. Two take the machine's own memory
-/// and disk; the rest need a drive that is a node of its own (FieldDrive).
+/// The first so many kinds may strike any rig, and strike in the script's own time. Of the others two take
+/// the machine's own memory and disk, and the rest need a drive that is a node of its own (FieldDrive).
 inline constexpr int kScriptedKindCount = static_cast<int>(FaultKind::kMemoryPressure);
 
 /// snake_case name, as scripts have it.

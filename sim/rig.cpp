@@ -307,11 +307,7 @@ void Rig::send(const can::Frame& frame, FrameChannel channel) noexcept {
 void Rig::queue(can::Frame frame) noexcept {
   frame.monotonic_ns = now_ns_;
   frame.wall_ns = now_ns_ + wallStep_ns();
-  if (queue_.push(frame)) {
-    ++statistics_.frames_queued;
-  } else {
-    ++statistics_.frames_dropped;
-  }
+  statistics_.frames_dropped += queue_.push(frame) ? 0U : 1U;
 }
 
 bool Rig::resetPressed(double time_s) const noexcept {

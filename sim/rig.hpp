@@ -72,7 +72,6 @@ struct RigOptions {
 
 struct RigStatistics {
   std::uint64_t samples = 0;
-  std::uint64_t frames_queued = 0;
   std::uint64_t frames_dropped = 0;  ///< the queue was full
   std::uint64_t commands_accepted = 0;
   std::uint64_t commands_rejected = 0;  ///< CRC, length or repeated counter

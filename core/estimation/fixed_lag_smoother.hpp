@@ -22,8 +22,6 @@ class FixedLagSmoother final : public Observer {
   /// Likewise, with the torque at the posture of that sample.
   UnknownDynamics observe(const ObserverInput& input) noexcept PATELLA_NONBLOCKING override;
 
-  int lagSteps() const noexcept { return static_cast<int>(past_.size()); }
-
  private:
   struct Sample {
     JointVector f_u;

@@ -15,12 +15,12 @@ enum class Fault : std::uint8_t {
   kEncoderImplausible,   ///< position or velocity out of the sensor's range, or a jump no leg can make
   kDriveStale,           ///< no valid drive status within the timeout
   kDriveFault,           ///< the drive reports a fault of its own
-  kEmgStale,             ///< no valid EMG frame within the timeout while assistance needs it
+  kEmgStale,             ///< no valid EMG frame within the timeout
   kFrameCorrupt,         ///< CRC failures beyond the tolerated count
   kFrameSequence,        ///< counter repeats or jumps beyond the tolerated count
   kBusOff,               ///< controller left the bus, or the interface is down
-  kSendFailed,           ///< command frames could not be queued, N in a row
-  kOverrun,              ///< the tick missed its period, N in a row
+  kSendFailed,           ///< commands could not be queued, in a row or too often
+  kOverrun,              ///< ticks ended late, in a row or too often, or one by far
   kNotFinite,            ///< NaN or infinity in an estimate or a command
   kVelocityLimit,        ///< joint faster than allowed
   kJointRange,           ///< joint outside its allowed range

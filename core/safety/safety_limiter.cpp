@@ -28,13 +28,6 @@ void validate(const JointLimits& limits, const std::string& prefix) {
 
 }  // namespace
 
-std::string_view limitName(Limit limit) noexcept {
-  static constexpr std::array<std::string_view, kLimitCount> kNames = {"torque", "torque_rate", "soft_range",
-                                                                       "velocity"};
-  const auto index = static_cast<std::size_t>(limit);
-  return index < kNames.size() ? kNames[index] : "unknown";
-}
-
 SafetyLimiter::SafetyLimiter(int joints, const SafetyLimits& limits) : joints_(joints) {
   requireRange("joints", joints, 1, kMaxJoints);
   requireBound(boundOf("safety.saturation_timeout_s"), limits.saturation_timeout_s);

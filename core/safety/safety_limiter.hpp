@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
 
 #include "core/safety/fault.hpp"
 #include "core/safety/leaky_score.hpp"
@@ -31,13 +30,7 @@ enum class Limit : std::uint8_t {
   kTorqueRate,  ///< faster than torque_rate_Nm_s
   kSoftRange,   ///< towards the end of the range, within the soft margin
   kVelocity,    ///< in the direction of motion, above kVelocityFade of the velocity limit
-  kCount
 };
-
-inline constexpr int kLimitCount = static_cast<int>(Limit::kCount);
-
-/// snake_case name for logs and summaries.
-std::string_view limitName(Limit limit) noexcept;
 
 class LimitSet {
  public:

@@ -78,8 +78,7 @@ struct CommandMap {
   std::vector<FixedFrame> clear{};  ///< when the operator presses reset while the drive is out
   double enter_period_s = 0.01;
   double enter_timeout_s = 0.5;
-  double enter_time_s =
-      0.0;  ///< of a drive that does not report: how long it is told to enter; 0: it reports
+  double enter_time_s = 0.0;  ///< how long a drive that does not report is told to enter; 0: it reports
   /// CANopen node of a CiA 402 drive, which enters and leaves by its controlword; 0: another kind.
   int node = 0;
   std::string controlword{};  ///< signal of the message, with a node

@@ -93,24 +93,20 @@ class CommandEncoder {
   /// whoever sent it.
   bool commands(const Frame& frame) const noexcept PATELLA_NONBLOCKING;
 
-  /// An identifier that only the loop sends.
+  /// One for each drive.
+  std::vector<safety::DriveEntrySettings> entries() const;
+
+ private:
   struct Identifier {
     std::uint32_t id = 0;
     bool extended = false;
     std::uint8_t bus = 0;
     bool operator==(const Identifier&) const = default;
   };
-  /// Without repetition.
-  const std::vector<Identifier>& identifiers() const noexcept { return identifiers_; }
-
-  /// One for each drive.
-  std::vector<safety::DriveEntrySettings> entries() const;
-
- private:
   void note(const Frame& frame);
 
   std::vector<DriveCommand> drives_;
-  std::vector<Identifier> identifiers_;
+  std::vector<Identifier> identifiers_;  ///< that only the loop sends, each once
 };
 
 }  // namespace patella::can

@@ -188,11 +188,7 @@ SendResult ReplayBus::send(Frame& frame, std::int64_t now_ns) noexcept {
   }
   const Frame& recorded = commands_[next_command_];
   frame.wall_ns = recorded.wall_ns;
-  if (!sameContent(frame, recorded)) {
-    ++command_mismatches_;
-    if (!first_mismatch_)
-      first_mismatch_ = next_command_;
-  }
+  command_mismatches_ += sameContent(frame, recorded) ? 0U : 1U;
   ++next_command_;
   return SendResult::kSent;
 }

@@ -33,11 +33,11 @@ struct ReplayOptions {
 
 /// Plays what `candump -l` recorded.
 ///
-/// In a log of the loop's own, each torque command, of several the last, closes a tick, or where that one was
-/// lost, another: a tick is given the
-/// frames between two commands in their order, however the clocks ran then or run now, so that replaying
-/// repeats the recorded computation exactly. Commands are not delivered; what is sent is compared with them,
-/// the n-th with the n-th. Frames are stamped with the tick's time on the loop clock.
+/// In a log of the loop's own, torque commands close the ticks: of several drives that of the last, or the
+/// last one that was not lost. A tick is given the frames between two closing commands in their order,
+/// however the clocks ran then or run now, so that replaying repeats the recorded computation exactly.
+/// Commands are not delivered; what is sent is compared with them, the n-th with the n-th. Frames are stamped
+/// with the tick's time on the loop clock.
 ///
 /// Any other log is given by its stamps, the first frame at the first receive(); each frame's time on the
 /// loop clock follows from its stamp. What is sent is dropped. Stamps that jump, see StampOrder, are refused.
@@ -69,7 +69,6 @@ class ReplayBus final : public Bus {
   std::size_t recordedCommands() const noexcept { return commands_.size(); }
   /// Frames of the loop's so far that differ from the recorded ones in identifier, length or data.
   std::uint64_t commandMismatches() const noexcept { return command_mismatches_; }
-  std::optional<std::size_t> firstMismatch() const noexcept { return first_mismatch_; }
 
  private:
   std::size_t deliver(std::span<Frame> frames, std::size_t end, std::int64_t now_ns) noexcept;
@@ -86,7 +85,6 @@ class ReplayBus final : public Bus {
   std::optional<std::int64_t> start_ns_;
   std::int64_t tick_ns_ = 0;
   std::uint64_t command_mismatches_ = 0;
-  std::optional<std::size_t> first_mismatch_;
   ErrorMonitor errors_;
   BusCounters statistics_;
 };

@@ -32,7 +32,6 @@ struct Range {
 
 inline constexpr Range kAnyNumber{};
 inline constexpr Range kPositive{.minimum = 0.0, .minimum_open = true};
-inline constexpr Range kNotNegative{.minimum = 0.0};
 
 /// Allowed lengths of an array.
 struct CountRange {

@@ -9,14 +9,13 @@ namespace patella::app {
 
 struct CanInterface {
   bool up = false;
-  bool can = false;              ///< carries CAN frames (ARPHRD_CAN)
-  std::string kind;              ///< "can", "vcan", …; empty for a device without a kind
-  bool fd = false;               ///< takes CAN FD frames
-  std::uint32_t bitrate = 0;     ///< bit/s; 0 where there is none, as on vcan
-  std::uint32_t txqueuelen = 0;  ///< frames
-  std::uint32_t restart_ms = 0;  ///< from bus-off back to the bus, ms; 0: not by itself
-  std::optional<std::uint32_t>
-      state;  ///< enum can_state of linux/can/netlink.h, where the controller has one
+  bool can = false;                    ///< carries CAN frames (ARPHRD_CAN)
+  std::string kind;                    ///< "can", "vcan", …; empty for a device without a kind
+  bool fd = false;                     ///< takes CAN FD frames
+  std::uint32_t bitrate = 0;           ///< bit/s; 0 where there is none, as on vcan
+  std::uint32_t txqueuelen = 0;        ///< frames
+  std::uint32_t restart_ms = 0;        ///< from bus-off back to the bus, ms; 0: not by itself
+  std::optional<std::uint32_t> state;  ///< can_state of linux/can/netlink.h, where there is a controller
 };
 
 /// Nothing when there is no such interface. Throws std::runtime_error when the kernel cannot be asked.

@@ -12,7 +12,7 @@ while IFS=: read -r file line text; do
   [ -n "$file" ] || continue
   echo "$file:$line: '$text' reads a number without a row of core/bounds" >&2
   status=1
-done < <(grep -rnE 'kAnyNumber|kPositive|kNotNegative|Range\{|\.(number|numbers|integer)\(' firmware_app --include='*.cpp' --include='*.hpp' |
+done < <(grep -rnE 'kAnyNumber|kPositive|Range\{|\.(number|numbers|integer)\(' firmware_app --include='*.cpp' --include='*.hpp' |
   grep -vE '^firmware_app/files/(toml_table|bounded)\.[ch]pp:' |
   grep -vE 'CountRange\{|table\.number\(parameter\.name, range|const Range range\{\.minimum = parameter\.minimum|"joint", 1, joints|(metadata|parser)\.(number|numbers|integer)\(' |
   sed -E 's/^([^:]+:[0-9]+:) +/\1/' || true)

@@ -107,7 +107,6 @@ TEST_CASE("what is sent is compared with what was recorded") {
   Frame second = command(9);
   bus.send(second, 8);
   CHECK(bus.commandMismatches() == 1);
-  CHECK(bus.firstMismatch() == 1);
   Frame third = command(2);
   bus.send(third, 9);
   // Beyond the recording there is nothing to compare with.

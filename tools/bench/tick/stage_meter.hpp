@@ -27,7 +27,6 @@ class StageMeter final : public tick::StageProbe {
     return histograms_[static_cast<std::size_t>(stage)];
   }
   const app::LatencyHistogram& ofTick() const noexcept { return whole_; }
-  std::int64_t overhead() const noexcept { return overhead_; }
 
  private:
   void endTick() noexcept;
