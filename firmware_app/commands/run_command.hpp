@@ -13,8 +13,8 @@ namespace patella::app {
 enum class RunStatus { kOk = 0, kStopped = 3, kRecordingFailed = 4 };
 
 /// Runs until the configured duration is over, the log is at its end, or `stop` is set. Leaves frames.log,
-/// ticks.csv, events.log and summary.json in `folder`. Throws FileError, std::invalid_argument or
-/// std::runtime_error when the run cannot be set up.
+/// ticks.csv, events.log and summary.json in `folder`, whole and without a tick where `stop` was set during
+/// the set-up. Throws FileError, std::invalid_argument or std::runtime_error when the run cannot be set up.
 RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
                   const std::atomic<bool>& stop);
 

@@ -1,12 +1,19 @@
-// Reports of a run on its own recording: room, lost records, files that have changed.
+// Reports of a run on its own recording: room, lost records, files that have changed, an early end.
+#include <atomic>
 #include <fstream>
 #include <limits>
+#include <set>
+#include <string>
 #include <thread>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "firmware_app/commands/run_command.hpp"
+#include "firmware_app/files/atomic_file.hpp"
+#include "firmware_app/formats/mcap_reader.hpp"
 #include "firmware_app/recorder/input_files.hpp"
 #include "firmware_app/recorder/recorder.hpp"
 #include "tests/integration/runs/demonstration.hpp"
@@ -49,6 +56,23 @@ TEST_CASE("a recorder that falls behind is told of in its tick") {
     behind = recorder.behind();
   }
   CHECK(behind);
+}
+
+TEST_CASE("a run that is ended before its first tick leaves whole files") {
+  const test::ScratchFolder folder;
+  const std::filesystem::path run = folder / "run";
+  app::RunConfig config = test::demonstration(0.5);
+  config.record_mcap = true;
+  const std::atomic<bool> stop{true};
+  CHECK(app::runLoop(config, run, stop) == app::RunStatus::kOk);
+  CHECK(test::listing(run) ==
+        std::set<std::string>{"events.log", "frames.log", "run.mcap", "summary.json", "ticks.csv"});
+  CHECK(nlohmann::json::parse(app::readFile(run / "summary.json"))["ticks"] == 0);
+  formats::McapReader recording(run / "run.mcap");
+  formats::McapRecord record;
+  while (recording.next(record)) {
+  }
+  CHECK_FALSE(recording.cut());
 }
 
 TEST_CASE("files that change during a run are named") {
