@@ -71,7 +71,7 @@ void readChannel(const TomlTable& table, int joints, FaultEvent& event) {
 }
 
 void readFrameParameters(const TomlTable& table, FaultEvent& event) {
-  event.probability = number(table, boundOf("fault.probability"), 1.0);
+  event.probability = number(table, boundOf("fault.probability"), event.probability);
   if (event.kind == FaultKind::kDelayedFrames) {
     event.delay_s = number(table, boundOf("fault.delay_s"), event.delay_s);
   }
@@ -107,7 +107,7 @@ void readParameters(const TomlTable& table, FaultEvent& event) {
       break;
     case FaultKind::kEmgHum:
       event.value = number(table, boundOf("fault.amplitude_mV"));
-      event.frequency_Hz = number(table, boundOf("fault.frequency_Hz"), 50.0);
+      event.frequency_Hz = number(table, boundOf("fault.frequency_Hz"), event.frequency_Hz);
       break;
     case FaultKind::kDriveNotFollowing:
       event.value = number(table, boundOf("fault.gain"), 0.0);

@@ -174,7 +174,7 @@ void readRigConfig(const TomlTable& table, const std::optional<std::filesystem::
   const auto joints = static_cast<std::size_t>(config.model.joints());
   readRigModel(table, model, config);
   const std::vector<double> zero(joints, 0.0);
-  rig.seed = static_cast<std::uint64_t>(integer(table, boundOf("rig.seed"), 1));
+  readInteger(table, boundOf("rig.seed"), rig.seed);
   rig.initial_q_rad = numbers(table, boundOf("rig.initial_q_rad"), CountRange::exactly(joints), zero);
   rig.initial_dq_rad_s = numbers(table, boundOf("rig.initial_dq_rad_s"), CountRange::exactly(joints), zero);
   rig.publish_truth = table.boolean("publish_truth", true);

@@ -34,7 +34,8 @@ void readLoop(const TomlTable& table, RunConfig& config) {
       number(table, boundOf("loop.stall_tolerated_s"), config.loop.stall_tolerated_s, config.rehearsal);
   config.watchdog.timeout_s =
       number(table, boundOf("loop.watchdog_timeout_s"), config.watchdog.timeout_s, config.rehearsal);
-  config.min_free_bytes = static_cast<std::uint64_t>(1e6 * number(table, boundOf("loop.min_free_MB"), 50.0));
+  config.min_free_bytes = static_cast<std::uint64_t>(
+      1e6 * number(table, boundOf("loop.min_free_MB"), 1e-6 * static_cast<double>(config.min_free_bytes)));
   readInteger(table, boundOf("loop.shutdown_frames"), config.loop.shutdown_frames);
 }
 
