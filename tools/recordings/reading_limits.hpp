@@ -52,8 +52,8 @@ inline double longestBridge_s(double step_s) {
 
 /// Signals that a faster recorder repeats until their next sample.
 namespace repeated_samples {
-/// Steps of its resolution that a signal has to change by, so that a change tells of a sample: an encoder that
-/// moves slowly stands still for rows, too.
+/// Steps of its resolution that a signal has to change by, so that a change tells of a sample: an encoder
+/// that moves slowly stands still for rows, too.
 inline constexpr double kResolutions = 3.0;
 /// Such changes that are needed to tell a pace.
 inline constexpr std::size_t kFewest = 50;
