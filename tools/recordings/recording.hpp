@@ -21,6 +21,7 @@ enum class TorqueTiming {
 struct Segment {
   std::size_t first = 0;
   std::size_t end = 0;
+  std::size_t lead = 0;  ///< rows at its beginning that only tell in what state the others find the machine
 };
 
 struct Recording {

@@ -42,6 +42,7 @@ TEST_CASE("each doubt alone makes of either answer what is written here") {
       Row{Doubt::kUnexplained, kUnknown, kUnknown},
       Row{Doubt::kOutweighed, kFound, kUnknown},
       Row{Doubt::kSingleSinusoids, kPoor, kNone},
+      Row{Doubt::kJointUnexplained, kUnknown, kUnknown},
       Row{Doubt::kLargeRest, kFound, kUnknown},
       Row{Doubt::kJointUntold, kFound, kPoor},
       Row{Doubt::kJointAtRest, kFound, kPoor},

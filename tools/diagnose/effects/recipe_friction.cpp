@@ -62,8 +62,8 @@ Recipe preslidingHysteresis(const Motion& motion) {
   Recipe recipe = start("presliding_hysteresis", motion, {true});
   recipe.contains = {"presliding_hysteresis", "coulomb_friction"};
   const double range = motion.position_range;
-  recipe.nonlinear = {{.lower = 0.001 * range, .upper = 0.1 * range}};
-  recipe.grid = product({{0.005 * range, 0.02 * range, 0.06 * range}});
+  recipe.nonlinear = {{.lower = 0.0001 * range, .upper = 0.1 * range}};
+  recipe.grid = product({{0.001 * range, 0.005 * range, 0.02 * range, 0.06 * range}});
   recipe.parameters = [](Numbers c, Numbers nu) -> std::vector<double> {
     return Parameters("presliding_hysteresis").set("level_Nm", c[0]).set("stiffness_Nm_rad", c[0] / nu[0]);
   };

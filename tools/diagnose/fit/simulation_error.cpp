@@ -72,12 +72,13 @@ SimulationError simulationError(const Dataset& data, const model::ModelDescripti
   double count = 0.0;
   for (const Series& series : data.series()) {
     const auto length = static_cast<std::size_t>(window_s * series.rate_Hz);
-    if (series.states.size() <= length) {
+    const std::size_t states = series.states.size() - series.lead;
+    if (states <= length) {
       continue;
     }
-    const std::size_t stride = std::max(length, (series.states.size() - length) / kMostWindows + 1);
+    const std::size_t stride = std::max(length, (states - length) / kMostWindows + 1);
     const std::size_t thinning = std::max<std::size_t>(1, length / kKeptPoints);
-    for (std::size_t first = 0; first + length < series.states.size(); first += stride) {
+    for (std::size_t first = series.lead; first + length < series.states.size(); first += stride) {
       model::EffectInput state = series.states[first];
       state.torque_held = true;  // over each of the small steps below
       dynamics.reset(state);

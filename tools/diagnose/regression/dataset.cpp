@@ -62,23 +62,27 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
     rate_Hz_ = rate_Hz / static_cast<double>(decimation(rate_Hz));
   }
   for (std::size_t s = 0; s < series_.size(); ++s) {
-    const Eigen::Index count = band(Samples(series_[s].states.size()), series_[s].rate_Hz).size();
+    const Eigen::Index count = band(Samples(series_[s].states.size()), series_[s]).size();
     blocks_[s].first = rows_;
     rows_ += count;
     blocks_[s].end = rows_;
   }
   time_s_.resize(rows_);
   for (std::size_t s = 0; s < series_.size(); ++s) {
-    const auto edge = is_static_ ? 0 : edgeSamples(series_[s].rate_Hz);
+    const std::size_t first = is_static_ ? 0 : firstOf(series_[s]);
     for (Eigen::Index i = 0; i < blocks_[s].end - blocks_[s].first; ++i) {
       time_s_[blocks_[s].first + i] =
-          series_[s].states[edge + static_cast<std::size_t>(i) * decimation(series_[s].rate_Hz)].time_s;
+          series_[s].states[first + static_cast<std::size_t>(i) * decimation(series_[s].rate_Hz)].time_s;
     }
   }
 }
 
 std::size_t Dataset::edgeSamples(double rate_Hz) const noexcept {
   return static_cast<std::size_t>(kEdgePeriods * rate_Hz / band_Hz_);
+}
+
+std::size_t Dataset::firstOf(const Series& series) const noexcept {
+  return std::max(series.lead, edgeSamples(series.rate_Hz));
 }
 
 std::size_t Dataset::decimation(double rate_Hz) const noexcept {
@@ -99,20 +103,20 @@ double Dataset::gain(double frequency_Hz) const noexcept {
   return 1.0 / (1.0 + std::pow(bent, 2 * kFilterOrder));
 }
 
-Eigen::VectorXd Dataset::band(std::span<const double> signal, double rate_Hz) const {
+Eigen::VectorXd Dataset::band(std::span<const double> signal, const Series& series) const {
   if (is_static_) {
     return Eigen::Map<const Eigen::VectorXd>(signal.data(), static_cast<Eigen::Index>(signal.size()));
   }
-  const std::size_t edge = edgeSamples(rate_Hz);
-  const std::size_t step = decimation(rate_Hz);
-  const std::size_t count = (signal.size() - 2 * edge + step - 1) / step;
+  const std::size_t edge = edgeSamples(series.rate_Hz), first = firstOf(series);
+  const std::size_t step = decimation(series.rate_Hz);
+  const std::size_t count = (signal.size() - first - edge + step - 1) / step;
   Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count));
   if (std::all_of(signal.begin(), signal.end(), [](double value) { return value == 0.0; })) {
     return result;
   }
-  const Samples filtered = offline::zeroPhaseLowPass(signal, band_Hz_, rate_Hz, kFilterOrder);
+  const Samples filtered = offline::zeroPhaseLowPass(signal, band_Hz_, series.rate_Hz, kFilterOrder);
   for (std::size_t i = 0; i < count; ++i) {
-    result[static_cast<Eigen::Index>(i)] = filtered[edge + i * step];
+    result[static_cast<Eigen::Index>(i)] = filtered[first + i * step];
   }
   return result;
 }
@@ -135,7 +139,7 @@ Column Dataset::columnOf(Start start, Torque torque) const {
     }
     for (int joint = 0; joint < joints_; ++joint) {
       result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) =
-          band(raw[static_cast<std::size_t>(joint)], series.rate_Hz);
+          band(raw[static_cast<std::size_t>(joint)], series);
     }
   }
   return result;
@@ -196,8 +200,7 @@ Column Dataset::ownJointColumn(model::Effect& effect, Input input) const {
       }
       raw[i] = -effect.torque(state)[joint];
     }
-    result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) =
-        band(raw, series.rate_Hz);
+    result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series);
   }
   return result;
 }
@@ -270,7 +273,7 @@ Eigen::VectorXd Dataset::variable(const std::function<double(const Series&, std:
     for (std::size_t i = 0; i < raw.size(); ++i) {
       raw[i] = value(series_[s], i);
     }
-    result.segment(blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series_[s].rate_Hz);
+    result.segment(blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series_[s]);
   }
   return result;
 }

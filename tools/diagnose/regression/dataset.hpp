@@ -33,6 +33,7 @@ inline constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_H
 /// One stretch without a gap, at the evaluation rate.
 struct Series {
   double rate_Hz = 0.0;
+  std::size_t lead = 0;  ///< states at its beginning that lead up to the others, and have no rows
   /// Smoothed. The torque is for friction and gains that depend on it: that which a model asks of the drives
   /// for this motion, once one has been set; the measured one before.
   std::vector<model::EffectInput> states;
@@ -113,8 +114,10 @@ class Dataset {
   /// The same of an effect without inertia, which acts on its own joint alone.
   template <typename Input>
   Column ownJointColumn(model::Effect& effect, Input input) const;
-  Eigen::VectorXd band(std::span<const double> signal, double rate_Hz) const;
+  Eigen::VectorXd band(std::span<const double> signal, const Series& series) const;
   std::size_t edgeSamples(double rate_Hz) const noexcept;
+  /// First state with a row.
+  std::size_t firstOf(const Series& series) const noexcept;
   /// Recordings of different rates come to about the same: each series keeps one of so many of its samples.
   std::size_t decimation(double rate_Hz) const noexcept;
 

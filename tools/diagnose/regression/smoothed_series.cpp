@@ -122,6 +122,7 @@ Series movingSeries(const Recording& recording, const Segment& segment, const Da
   };
   Series series;
   series.rate_Hz = recording.rate_Hz / static_cast<double>(step);
+  series.lead = (segment.lead + step - 1) / step;
   for (std::size_t i = 0; i < joints.front().q.size(); ++i) {
     model::EffectInput state;
     state.q = at(&JointSamples::q, i);

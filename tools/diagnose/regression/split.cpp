@@ -50,7 +50,8 @@ SplitRecordings split(std::span<const Recording> recordings, double heldout_frac
         train.segments.push_back(segment);
       } else {
         train.segments.push_back({segment.first, cut});
-        heldout.segments.push_back({cut, segment.end});
+        // Friction, play and heat remember: the model runs up to the cut before it is judged.
+        heldout.segments.push_back({segment.first, segment.end, cut - segment.first});
       }
     }
     parts.train.push_back(std::move(train));

@@ -34,6 +34,7 @@ struct Doubt {
     kUnexplained,         ///< what is left bends like no effect of the library
     kOutweighed,          ///< effects were found, but each explains less than what nothing explains
     kSingleSinusoids,     ///< several effects were found under single sinusoids
+    kJointUnexplained,    ///< much more is left than that on a joint on which no effect is asserted
     kLargeRest,           ///< much more is left than sensors and declared pushes make
     kJointUntold,         ///< next to nothing that acts on a joint would show
     kJointAtRest,         ///< what is missing on a joint that does not move cannot be told

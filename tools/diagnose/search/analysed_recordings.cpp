@@ -3,6 +3,7 @@
 #include "tools/diagnose/effects/considered.hpp"
 #include "tools/diagnose/fit/predicted_torque.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/regression/motion_band.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -24,8 +25,9 @@ void askForMotionBetweenLines(Dataset& train) {
   const Column torque = train.driveTorque();
   const Column between =
       torque - train.column([](const Series& series, std::size_t i) { return series.asked_torque_Nm[i]; });
-  const Column unexplained =
-      torque - train.column([](const Series& series, std::size_t i) { return series.states[i].torque_Nm; });
+  const Column predicted =
+      train.column([](const Series& series, std::size_t i) { return series.states[i].torque_Nm; });
+  const Column unexplained = besideLateness(train, torque - predicted);
   for (int joint = 0; joint < train.joints(); ++joint) {
     const double left_Nm = jointRms(train, unexplained, joint);
     if (left_Nm < late_drive::kUndisturbed * jointRms(train, torque, joint) &&

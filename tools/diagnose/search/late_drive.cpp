@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/ranking.hpp"
 #include "tools/diagnose/thresholds.hpp"
@@ -15,12 +16,12 @@ namespace {
 /// As far up as encoders let accelerations be known.
 constexpr DatasetOptions kFast{.smoothing_Hz = 100.0, .evaluation_rate_Hz = 1000.0, .band_Hz = 40.0};
 
-// Those whose torque the model explains but for little.
+// Those whose torque the model explains but for little, and for what a late drive makes of it.
 std::vector<int> undisturbed(const Dataset& data, const model::ModelDescription& explained,
                              std::span<const int> joints) {
   model::DynamicsModel dynamics = model::makeModel(explained);
   const Column torque = data.driveTorque();
-  const Column left = torque - data.modelTorque(dynamics);
+  const Column left = besideLateness(data, torque - data.modelTorque(dynamics));
   std::vector<int> clean(joints.begin(), joints.end());
   std::erase_if(clean, [&](int joint) {
     return jointRms(data, left, joint) >= late_drive::kUndisturbed * jointRms(data, torque, joint);

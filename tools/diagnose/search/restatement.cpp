@@ -322,7 +322,7 @@ class Restatement {
   bool partFriction() {
     for (std::size_t t = 0; t < selection_.fit.terms.size(); ++t) {
       std::optional<ModelFit> plain = asPlainFriction(t);
-      if (plain && (worth(*plain) < worth(selection_.fit) || !directionsDiffer(t))) {
+      if (plain && (worth(*plain) < worth(selection_.fit) || !directionsDiffer(t) || !isMissed(*plain))) {
         const Evidence& before = selection_.evidence[t];
         adopt(selection_, std::move(*plain),
               {.p_value = before.p_value,

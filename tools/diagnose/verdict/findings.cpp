@@ -41,6 +41,13 @@ void addConfounds(EffectFinding& finding, int joints) {
     const bool rubbed = std::find(before.begin(), before.end(), "coulomb_friction") != before.end();
     finding.indistinguishable_from.emplace_back(rubbed ? "torque_bias" : "coulomb_friction+torque_bias");
   }
+  // A contact too stiff to show.
+  if (finding.kind == "presliding_hysteresis" &&
+      std::any_of(finding.parameters.begin(), finding.parameters.end(),
+                  [](const ParameterEstimate& estimate) { return estimate.at_bound; }) &&
+      std::find(known.begin(), known.end(), "coulomb_friction") == known.end()) {
+    finding.indistinguishable_from.emplace_back("coulomb_friction");
+  }
   // A spring too stiff to show.
   if (finding.kind == "rotor_inertia" &&
       std::find(known.begin(), known.end(), "transmission_elasticity") == known.end()) {
@@ -115,6 +122,8 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
       return "outweighed";
     case Doubt::kSingleSinusoids:
       return "single_sinusoids";
+    case Doubt::kJointUnexplained:
+      return "joint_unexplained";
     case Doubt::kLargeRest:
       return "large_rest";
     case Doubt::kJointAtRest:

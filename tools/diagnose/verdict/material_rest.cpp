@@ -1,6 +1,9 @@
 #include "tools/diagnose/verdict/material_rest.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -8,26 +11,51 @@
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
+namespace {
+
+/// The joint, of those chosen, that keeps the largest share of its torque; nothing where none is chosen.
+template <typename Chosen>
+std::optional<std::size_t> worstOf(std::span<const JointRest> rests, Chosen chosen) {
+  std::optional<std::size_t> worst;
+  for (std::size_t j = 0; j < rests.size(); ++j) {
+    if (chosen(j) && (!worst || rests[*worst].structure_Nm() * rests[j].torque_Nm <
+                                    rests[j].structure_Nm() * rests[*worst].torque_Nm)) {
+      worst = j;
+    }
+  }
+  return worst;
+}
+
+std::string wordsOf(const JointRest& rest, std::size_t joint, bool person, std::string_view unit) {
+  return fmt::format(
+      "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, where "
+      "sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",
+      rest.structure_Nm(), unit, joint + 1, kPercent * rest.structure_Nm() / rest.torque_Nm,
+      person ? " and declared pushes" : "", rest.noise_Nm, unit);
+}
+
+}  // namespace
 
 void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnosis) {
   for (const JointRest& rest : rests) {
     diagnosis.rests.push_back(
         {.torque_Nm = rest.torque_Nm, .structure_Nm = rest.structure_Nm(), .noise_Nm = rest.noise_Nm});
   }
-  const auto worst = std::max_element(rests.begin(), rests.end(), [](const auto& a, const auto& b) {
-    return a.structure_Nm() * b.torque_Nm < b.structure_Nm() * a.torque_Nm;
+  const auto doubt = [&](Doubt::Kind kind, std::size_t joint) {
+    diagnosis.doubts.push_back({kind, wordsOf(rests[joint], joint, person, diagnosis.torque_unit)});
+  };
+  const auto bare = worstOf(rests, [&](std::size_t joint) {
+    return std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
+      return effect.asserted() && effect.joint == static_cast<int>(joint);
+    });
   });
-  if (!worst->exceeds(unknown::kRestOfNothing)) {
-    return;
+  if (bare && rests[*bare].exceeds(unknown::kMaterialRest)) {
+    doubt(Doubt::kJointUnexplained, *bare);
   }
-  diagnosis.doubts.push_back(
-      {worst->exceeds(unknown::kMaterialRest) ? Doubt::kLargeRest : Doubt::kSomeRest,
-       fmt::format(
-           "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, "
-           "where sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",
-           worst->structure_Nm(), diagnosis.torque_unit, worst - rests.begin() + 1,
-           kPercent * worst->structure_Nm() / worst->torque_Nm, person ? " and declared pushes" : "",
-           worst->noise_Nm, diagnosis.torque_unit)});
+  const auto worst = worstOf(rests, [](std::size_t) { return true; });
+  if (worst && rests[*worst].exceeds(unknown::kRestOfNothing)) {
+    doubt(rests[*worst].exceeds(unknown::kMaterialRest) ? Doubt::kLargeRest : Doubt::kSomeRest, *worst);
+  }
 }
 
 }  // namespace patella::diagnose

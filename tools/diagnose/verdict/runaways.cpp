@@ -204,6 +204,10 @@ bool strengthIsUnknown(const EffectFinding& effect) {
   };
   const bool has_strengths = std::any_of(effect.parameters.begin(), effect.parameters.end(), tellsStrength);
   for (const ParameterEstimate& estimate : effect.parameters) {
+    // No part of this variant of the kind.
+    if (has_strengths && estimate.value == 0.0 && estimate.ci95[0] == 0.0 && estimate.ci95[1] == 0.0) {
+      continue;
+    }
     // An effect without a strength is as large as its first parameter says.
     const bool counts = has_strengths ? tellsStrength(estimate) : &estimate == &effect.parameters.front();
     const Standing stands = standingOf(physicalRange(effect.kind, estimate.name), estimate);

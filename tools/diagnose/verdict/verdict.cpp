@@ -27,6 +27,7 @@ constexpr std::array kRules{
     Rule{Doubt::kUnexplained, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kOutweighed, Against::kNothing, Verdict::kUnknownEffect},
     Rule{Doubt::kSingleSinusoids, Against::kEffects, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kJointUnexplained, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kLargeRest, Against::kNothing, Verdict::kUnknownEffect},
     Rule{Doubt::kJointUntold, Against::kNothing, Verdict::kInsufficientExcitation},
     Rule{Doubt::kJointAtRest, Against::kNothing, Verdict::kInsufficientExcitation},

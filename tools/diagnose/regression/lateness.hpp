@@ -1,0 +1,12 @@
+// What a drive that acts late leaves of a model's error.
+#pragma once
+
+#include "tools/diagnose/regression/dataset.hpp"
+
+namespace patella::diagnose {
+
+/// `error`, measured torque less the model's, without what each joint's drive makes of it by acting late: its
+/// part along the rate of the measured torque, where that has the sign of a late drive.
+Column besideLateness(const Dataset& data, const Column& error);
+
+}  // namespace patella::diagnose
