@@ -77,8 +77,8 @@ void tellWhichJointPays(Diagnosis& result) {
   }
 }
 
-// How many times as much torque the held-out part takes of a joint; at least 1. An error of the model grows with
-// the motion, as that of a sweep does towards its end.
+// How many times as much torque the held-out part takes of a joint; at least 1. An error of the model grows
+// with the motion, as that of a sweep does towards its end.
 double harder(const ErrorMeasure& error, std::size_t joint) {
   const double fitted_Nm = error.train_rms_Nm[joint] / std::max(error.train_relative[joint], 1e-300);
   const double unseen_Nm = error.heldout_rms_Nm[joint] / std::max(error.heldout_relative[joint], 1e-300);
