@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "tests/support/swinging_joint.hpp"
 #include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/verdict/material_rest.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -33,6 +35,28 @@ TEST_CASE("what noise explains is not structure") {
   CHECK(rest.exceeds(0.14));
   CHECK(!rest.exceeds(0.16));
   CHECK(JointRest{.torque_Nm = 1.0, .left_Nm = 0.05, .noise_Nm = 0.1}.structure_Nm() == 0.0);
+}
+
+TEST_CASE("a large rest speaks against every answer where nothing is asserted on its joint") {
+  const std::array rests{JointRest{.torque_Nm = 5.0, .left_Nm = 0.1, .noise_Nm = 0.05},
+                         JointRest{.torque_Nm = 5.0, .left_Nm = 2.0, .noise_Nm = 0.05}};
+  const auto kindsWithEffectOn = [&](int joint) {
+    Diagnosis diagnosis;
+    diagnosis.effects.push_back({.kind = "coulomb_friction",
+                                 .joint = joint,
+                                 .parameters = {},
+                                 .indistinguishable_from = {},
+                                 .replaces = {},
+                                 .separating_motion = {}});
+    judgeRest(rests, false, diagnosis);
+    std::vector<Doubt::Kind> kinds;
+    for (const Doubt& doubt : diagnosis.doubts) {
+      kinds.push_back(doubt.kind);
+    }
+    return kinds;
+  };
+  CHECK(kindsWithEffectOn(0) == std::vector{Doubt::kJointUnexplained, Doubt::kLargeRest});
+  CHECK(kindsWithEffectOn(1) == std::vector{Doubt::kLargeRest});
 }
 
 TEST_CASE("a joint without a drive is measured against its load") {

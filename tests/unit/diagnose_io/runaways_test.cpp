@@ -162,6 +162,17 @@ TEST_CASE("where strengths are logarithms, their torque says whether the strengt
   CHECK(strengthIsUnknown(tissue));
 }
 
+TEST_CASE("what a variant of an effect lacks does not say that its strength is known") {
+  EffectFinding drift;
+  drift.kind = "thermal_drift";
+  drift.parameters = {{.name = "offset_Nm", .value = 0.0, .ci95 = {0.0, 0.0}},
+                      {.name = "friction_Nm", .value = 0.0, .ci95 = {0.0, 0.0}},
+                      {.name = "viscous_Nms_rad", .value = -7.9, .ci95 = {-103.0, 87.0}}};
+  CHECK(strengthIsUnknown(drift));
+  drift.parameters[2].ci95 = {-9.0, -6.8};
+  CHECK_FALSE(strengthIsUnknown(drift));
+}
+
 TEST_CASE("a reflex whose delay stands where the search ends may be another effect of the velocity") {
   EffectFinding reflex;
   reflex.kind = "spasticity";
