@@ -41,10 +41,10 @@ TEST_CASE("a torque is known whose strength and slope are not, as they make up f
   const auto parameters = fit.tangent.cols();
   Eigen::MatrixXd covariance = 1e-4 * Eigen::MatrixXd::Identity(parameters, parameters);
   covariance(0, 0) = covariance(3, 3) = 9.0;
-  CHECK(torqueErrorOfLogStrengths(fit, covariance, 0).value() > 5.0);
+  CHECK(torqueError(fit, covariance, 0).value() > 5.0);
   covariance(0, 3) = covariance(3, 0) = -9.0;
   // Two strengths of 1 each, of which 0.01 is uncertain: the first together with its slope not at all.
-  const double known = torqueErrorOfLogStrengths(fit, covariance, 0).value();
+  const double known = torqueError(fit, covariance, 0).value();
   CHECK(known == doctest::Approx(kDeviations95 * 0.01 / std::sqrt(2.0)));
 }
 
@@ -56,13 +56,13 @@ TEST_CASE("what the constant beside the strengths can make is none of theirs") {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(parameters, parameters);
   covariance(0, 0) = covariance(2, 2) = 100.0;
   covariance(1, 1) = 0.01;
-  CHECK(torqueErrorOfLogStrengths(fit, covariance, 0).value() == doctest::Approx(kDeviations95 * 0.1));
+  CHECK(torqueError(fit, covariance, 0).value() == doctest::Approx(kDeviations95 * 0.1));
 }
 
 TEST_CASE("an effect whose strength is a parameter by itself has no such error") {
   const ModelFit fit = fitWith("coulomb_friction", Eigen::Vector4d::Zero());
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(fit.tangent.cols(), fit.tangent.cols());
-  CHECK_FALSE(torqueErrorOfLogStrengths(fit, covariance, 0).has_value());
+  CHECK_FALSE(torqueError(fit, covariance, 0).has_value());
 }
 
 }  // namespace

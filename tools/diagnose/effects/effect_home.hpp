@@ -26,6 +26,9 @@ struct EffectHome {
   /// Parameter that tells it from plainer effects of the same variable: where it stands at an end of the
   /// search, the effect is another one.
   std::string_view distinguished_by{};
+  /// Its strength and its time constant make up for each other in a short recording: how well its torque is
+  /// known says whether it is there.
+  bool told_by_torque = false;
   bool at_rest = false;        ///< postures at rest show it, too
   bool of_patient = false;     ///< of a person's muscles and tissue, which no sliding joint has
   bool of_knee = false;        ///< looked for on knees only; where there may be one: possible.hpp

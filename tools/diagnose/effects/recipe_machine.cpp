@@ -256,6 +256,7 @@ std::vector<EffectHome> machineEffects() {
        .what = "Bias or friction that changes as the machine warms up.",
        .shows = Shows::kTime,
        .strengths = {{"offset_Nm"}, {"friction_Nm"}, {"viscous_Nms_rad"}},
+       .told_by_torque = true,
        .add =
            [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
              if (motion.duration_s > 0.0) {

@@ -7,6 +7,7 @@
 
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/declared.hpp"
+#include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/effects/recipe_names.hpp"
 #include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/search/gates.hpp"
@@ -102,13 +103,15 @@ Eigen::MatrixXd withBumps(Eigen::MatrixXd covariance, const ModelFit& fit) {
   return covariance;
 }
 
-std::optional<double> torqueErrorOfLogStrengths(const ModelFit& fit, const Eigen::MatrixXd& covariance,
-                                                std::size_t index) {
+std::optional<double> torqueError(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t index) {
   const Term& term = fit.terms[index];
   std::vector<Eigen::Index> places, others;
   std::vector<double> strengths;
   for (std::size_t i = 0; i < term.c.size(); ++i) {
-    const bool counts = isLogStrength(term.recipe->kind, coefficientName(*term.recipe, term.nu, i));
+    const std::string name = coefficientName(*term.recipe, term.nu, i);
+    const std::string& kind = term.recipe->kind;
+    const bool counts =
+        isLogStrength(kind, name) || (effectHome(kind).told_by_torque && isStrength(kind, name));
     (counts ? places : others).push_back(fit.offset[index] + static_cast<Eigen::Index>(i));
     if (counts) {
       strengths.push_back(term.c[i]);

@@ -36,10 +36,10 @@ Eigen::MatrixXd withBumps(Eigen::MatrixXd covariance, const ModelFit& fit);
 Eigen::MatrixXd parameterSlopes(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t term);
 
 /// Half the 95 % interval of a torque over that torque, as rms values: of what the strengths of a term make
-/// together whose logarithms are its parameters. Each of them may be unknown where slopes make up for it, and
-/// the torque be known. Nothing for a term without such strengths.
-std::optional<double> torqueErrorOfLogStrengths(const ModelFit& fit, const Eigen::MatrixXd& covariance,
-                                                std::size_t term);
+/// together whose logarithms are its parameters, or that EffectHome::told_by_torque says of. Each of them may
+/// be unknown where slopes or a time constant make up for it, and the torque be known. Nothing for a term
+/// without such strengths.
+std::optional<double> torqueError(const ModelFit& fit, const Eigen::MatrixXd& covariance, std::size_t term);
 
 /// Estimated parameters of a term with 95 % intervals, by linear propagation of the fit's covariance, to
 /// their logarithms where they are known up to factors. What a rugged objective depends on is not known

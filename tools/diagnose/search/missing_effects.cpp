@@ -72,6 +72,8 @@ class Finder {
     search.atoms = recipeAtoms(*search.fitter, considered);
     options_.report("search", 0.0);
     SelectionOptions selection = options_.selection();
+    // Each joint has a friction of its own to be put right.
+    selection.most_effects += std::max(0, data.joints() - 2);
     selection.heldout = recordings_.heldout && options_.gates.heldout ? &*recordings_.heldout : nullptr;
     selection.progress = [this](double fraction) { options_.report("search", fraction); };
     search.selection = select(*search.fitter, search.atoms, search.nominal, selection);

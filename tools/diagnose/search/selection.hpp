@@ -19,7 +19,7 @@ struct SelectionOptions {
   int replicates = 499;
   double family_wise_p = accepted::kFamilyWiseP;
   std::uint64_t seed = 1;
-  int most_effects = 5;
+  int most_effects = 5;  ///< of two joints
   Gates gates;
   std::function<void(double fraction)> progress;
   const Dataset* heldout = nullptr;  ///< judges between effects that could stand for each other; may be none

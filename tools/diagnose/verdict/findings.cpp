@@ -64,6 +64,25 @@ void addConfounds(EffectFinding& finding, int joints) {
   }
 }
 
+// Parameters that the fit took out of what is known of them; empty where there is none.
+std::string beyondTolerance(const Diagnosis& diagnosis) {
+  std::string moved;
+  std::size_t count = 0;
+  for (const RefittedParameter& parameter : diagnosis.nominal) {
+    if (parameter.isBeyond()) {
+      moved += fmt::format("{}{} from {:.4g} to {:.4g}", moved.empty() ? "" : ", ", parameter.name,
+                           parameter.nominal, parameter.refitted);
+      ++count;
+    }
+  }
+  if (moved.empty()) {
+    return {};
+  }
+  return fmt::format(
+      " The fit took {}, more than {}: a payload, a rotor or a gain of the torque would look the same.",
+      moved, count == 1 ? "its tolerance" : "their tolerances");
+}
+
 // The joint with the largest rest against its torque, of those where more is left than sensors make.
 std::string whatIsLeft(const Diagnosis& diagnosis) {
   const RestOfJoint* worst = nullptr;
@@ -171,7 +190,7 @@ EffectFinding findingOf(const ModelFit& fit, const Eigen::MatrixXd& covariance, 
   }
   EffectFinding finding = findingOf(term.recipe->kind, term.recipe->joint, estimates(fit, covariance, index),
                                     evidence, joints, std::move(replaces));
-  if (const std::optional<double> error = torqueErrorOfLogStrengths(fit, covariance, index)) {
+  if (const std::optional<double> error = torqueError(fit, covariance, index)) {
     finding.torque_error = asserted::kShapeAllowance * *error;
   }
   return finding;
@@ -196,23 +215,13 @@ void addConfoundsBetween(std::vector<EffectFinding>& findings) {
 std::string explanation(const Diagnosis& diagnosis) {
   switch (diagnosis.verdict) {
     case Verdict::kEffectFound:
-      return diagnosis.before.heldout_rms_Nm.empty()
-                 ? "What was found explains the residual; the recording is too short to hold a part out."
-                 : "What was found explains the residual on the held-out part, too.";
-    case Verdict::kNothingMissing: {
-      const std::string text = "After the nominal parameters were refitted, " + whatIsLeft(diagnosis);
-      const auto moved =
-          std::find_if(diagnosis.nominal.begin(), diagnosis.nominal.end(),
-                       [](const RefittedParameter& parameter) { return parameter.isBeyond(); });
-      if (moved == diagnosis.nominal.end()) {
-        return text;
-      }
-      return text + fmt::format(
-                        " It took {} from {:.4g} to {:.4g}, more than its tolerance: a payload, a rotor or a "
-                        "gain of "
-                        "the torque would look the same.",
-                        moved->name, moved->nominal, moved->refitted);
-    }
+      return (diagnosis.before.heldout_rms_Nm.empty()
+                  ? "What was found explains the residual; the recording is too short to hold a part out."
+                  : "What was found explains the residual on the held-out part, too.") +
+             beyondTolerance(diagnosis);
+    case Verdict::kNothingMissing:
+      return "After the nominal parameters were refitted, " + whatIsLeft(diagnosis) +
+             beyondTolerance(diagnosis);
     case Verdict::kUnknownEffect:
       if (diagnosis.unexplained.empty()) {
         return "Something is missing that no effect of the library explains.";
