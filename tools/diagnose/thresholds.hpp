@@ -256,8 +256,8 @@ inline constexpr double kSmaller = 0.998;
 inline constexpr double kUnknown = 10.0;
 /// Held-out error of a joint after over before: above, a warning; less is within the noise.
 inline constexpr double kCost = 1.05;
-/// Held-out error over noise floor, and over how many times as much torque the held-out part takes: above,
-/// something else happens there.
+/// Held-out error over noise floor: above, something else happens in the held-out part, unless both are as
+/// small shares of the torque.
 inline constexpr double kOutOfProportion = 2.5;
 }  // namespace held_out
 

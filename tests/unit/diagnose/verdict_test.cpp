@@ -102,6 +102,23 @@ TEST_CASE("an answer claims a held-out part only where there was one") {
   CHECK(diagnosis.explanation.find("held-out") != std::string::npos);
 }
 
+TEST_CASE(
+    "parameters out of their tolerance are told beside what was found, since a payload moves them, too") {
+  Diagnosis diagnosis;
+  diagnosis.effects.emplace_back();
+  diagnosis.nominal = {{.name = "mass_kg[1]", .nominal = 3.0, .refitted = 3.1, .tolerated = {2.5, 3.6}},
+                       {.name = "mass_kg[2]", .nominal = 2.0, .refitted = 2.6, .tolerated = {1.6, 2.4}},
+                       {.name = "com_m[2]", .nominal = 0.11, .refitted = 0.16, .tolerated = {0.09, 0.13}}};
+  settle(diagnosis);
+  CHECK(
+      diagnosis.explanation.find(
+          "The fit took mass_kg[2] from 2 to 2.6, com_m[2] from 0.11 to 0.16, more than their tolerances: a "
+          "payload") != std::string::npos);
+  diagnosis.nominal.resize(1);
+  settle(diagnosis);
+  CHECK(diagnosis.explanation.find("The fit took") == std::string::npos);
+}
+
 TEST_CASE("nothing missing says what is left where sensors do not make it, and noise where they do") {
   Diagnosis diagnosis;
   diagnosis.rests = {{.torque_Nm = 10.0, .structure_Nm = 0.02, .noise_Nm = 0.014},

@@ -77,12 +77,18 @@ void tellWhichJointPays(Diagnosis& result) {
   }
 }
 
-// How many times as much torque the held-out part takes of a joint; at least 1. An error of the model grows
-// with the motion, as that of a sweep does towards its end.
-double harder(const ErrorMeasure& error, std::size_t joint) {
-  const double fitted_Nm = error.train_rms_Nm[joint] / std::max(error.train_relative[joint], 1e-300);
-  const double unseen_Nm = error.heldout_rms_Nm[joint] / std::max(error.heldout_relative[joint], 1e-300);
-  return fitted_Nm > 0.0 && std::isfinite(unseen_Nm) ? std::max(1.0, unseen_Nm / fitted_Nm) : 1.0;
+// Torque of a joint, rms, of which an error makes this share.
+double torqueOf(double error_Nm, double share) {
+  return error_Nm / std::max(share, 1e-300);
+}
+
+// An error of the model grows with the motion, as that of a sweep does towards its end. It is no event, as
+// long as it is a small share of the torque.
+bool growsWithTorque(const ErrorMeasure& error, std::size_t joint, double fitted_Nm, double unseen_Nm) {
+  const double of_fitted_Nm = torqueOf(error.train_rms_Nm[joint], error.train_relative[joint]);
+  const double of_unseen_Nm = torqueOf(error.heldout_rms_Nm[joint], error.heldout_relative[joint]);
+  return unseen_Nm < unknown::kRestOfNothing * of_unseen_Nm &&
+         unseen_Nm * of_fitted_Nm < held_out::kOutOfProportion * fitted_Nm * of_unseen_Nm;
 }
 
 // An event of the held-out part alone has left no trace in the fitted one.
@@ -90,7 +96,8 @@ void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = result.noise_floor_Nm[joint];
     const double unseen = result.after.heldout_rms_Nm[joint];
-    if (fitted > 0.0 && unseen > held_out::kOutOfProportion * harder(result.before, joint) * fitted) {
+    if (fitted > 0.0 && unseen > held_out::kOutOfProportion * fitted &&
+        !growsWithTorque(result.before, joint, fitted, unseen)) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
                                     .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
