@@ -243,6 +243,9 @@ void readWhereNew(Recording& recording) {
     const double last_s = recording.time_s[segment.end - 1];
     const double end_s = averages ? last_s + 1.0 / recording.rate_Hz - 1.0 / rate_Hz + kRounding_s : last_s;
     const std::vector<double> grid_s = instantsOf(samples[reference], samples, rate_Hz, end_s);
+    if (grid_s.empty()) {
+      continue;  // too short to hold a sample of every signal
+    }
     segments.push_back({.first = time_s.size(), .end = time_s.size() + grid_s.size()});
     time_s.insert(time_s.end(), grid_s.begin(), grid_s.end());
     for (std::size_t i = 0; i < signals.size(); ++i) {

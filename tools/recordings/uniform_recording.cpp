@@ -391,10 +391,10 @@ Recording makeUniform(RawRecording raw) {
         {.first = recording.rows(), .end = recording.rows() + stretch.grid_s.size()});
     recording.time_s.insert(recording.time_s.end(), stretch.grid_s.begin(), stretch.grid_s.end());
   }
-  requireRows(raw, recording.rows(), kFewestRows);
   fillJoints(raw, instants, stretches, recording);
   fillEmg(raw, instants, stretches, recording);
   readWhereNew(recording);
+  requireRows(raw, recording.rows(), kFewestRows);
   return recording;
 }
 

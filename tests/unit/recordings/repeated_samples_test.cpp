@@ -129,3 +129,19 @@ TEST_CASE("a coarse encoder, and a torque that steps slowly or at random, are le
     CHECK(recording.rate_Hz == doctest::Approx(1000.0));
   }
 }
+
+TEST_CASE("a stretch that is too short for a sample of its own is left out, and so is a recording") {
+  const auto paused = [](int rows) {
+    return csv(kHeader, rows, [](int i) {
+      const double gap_s = i < 7 ? 0.0 : 1.0;
+      return fmt::format("{:.3f},{:.9f},{:.6f}", 0.001 * i + gap_s, angle(0.001 * newAt(i, 10)),
+                         torque(0.001 * newAt(i, 10)));
+    });
+  };
+  const Recording recording = loaded(paused(kRows));
+  CHECK(recording.rate_Hz == doctest::Approx(100.0));
+  for (const Segment& segment : recording.segments) {
+    CHECK(segment.first < segment.end);
+  }
+  CHECK(refusal(paused(1500)).find("complete rows, expected at least 200") != std::string::npos);
+}
