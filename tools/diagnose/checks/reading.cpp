@@ -11,6 +11,7 @@
 
 #include "tools/diagnose/checks/foreign_line.hpp"
 #include "tools/diagnose/checks/plain_columns.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
