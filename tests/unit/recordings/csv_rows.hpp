@@ -29,6 +29,16 @@ inline diagnose::Recording loaded(const std::string& text,
   return loadRecording(folder / "run.csv", options);
 }
 
+inline constexpr const char* kOneJoint = "t_s,q1_rad,tau1_Nm";
+
+/// A thousand rows a second of one joint, with position and torque by the number of the row.
+inline diagnose::Recording loadedRows(int rows, const std::function<double(int)>& position_rad,
+                                      const std::function<double(int)>& torque_Nm) {
+  return loaded(csv(kOneJoint, rows, [&](int i) {
+    return fmt::format("{:.3f},{:.9f},{:.6f}", 0.001 * i, position_rad(i), torque_Nm(i));
+  }));
+}
+
 /// Message of the exception that loading ends with, the folder's name taken off.
 inline std::string refusal(const std::string& text,
                            const diagnose::RecordingOptions& options = {.joints = 1}) {

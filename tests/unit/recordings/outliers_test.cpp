@@ -12,18 +12,14 @@ using namespace patella::test;
 
 namespace {
 
-constexpr const char* kHeader = "t_s,q1_rad,tau1_Nm";
 constexpr int kRows = 4000;
 
 double angle(int i) {
   return 0.4 * std::sin(0.004 * i) + 0.1 * std::sin(0.013 * i);
 }
 
-/// A thousand rows a second, with torque and angle as given.
 Recording made(const std::function<double(int)>& position, const std::function<double(int)>& torque) {
-  return loaded(csv(kHeader, kRows, [&](int i) {
-    return fmt::format("{:.3f},{:.9f},{:.6f}", 0.001 * i, position(i), torque(i));
-  }));
+  return loadedRows(kRows, position, torque);
 }
 
 double push(int i) {
@@ -61,7 +57,7 @@ TEST_CASE("a burst goes as a whole, and no more than the first few are named") {
 }
 
 TEST_CASE("too many outliers are no outliers") {
-  const std::string text = csv(kHeader, kRows, [&](int i) {
+  const std::string text = csv(kOneJoint, kRows, [&](int i) {
     return fmt::format("{:.3f},{:.9f},{:.6f}", 0.001 * i, angle(i), i % 100 == 50 ? 1e6 : push(i));
   });
   CHECK(refusal(text).starts_with("run.csv:52: torque of joint 1 is 1e+06 at 0.05 s"));

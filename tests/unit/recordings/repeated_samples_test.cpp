@@ -13,7 +13,6 @@ using namespace patella::test;
 
 namespace {
 
-constexpr const char* kHeader = "t_s,q1_rad,tau1_Nm";
 constexpr int kRows = 8000;
 
 double angle(double t_s) {
@@ -24,11 +23,8 @@ double torque(double t_s) {
   return 5.0 * std::cos(4.0 * t_s) + 2.0 * std::cos(9.0 * t_s);
 }
 
-/// A thousand rows a second.
 Recording made(const std::function<double(int)>& position, const std::function<double(int)>& push) {
-  return loaded(csv(kHeader, kRows, [&](int i) {
-    return fmt::format("{:.3f},{:.9f},{:.6f}", 0.001 * i, position(i), push(i));
-  }));
+  return loadedRows(kRows, position, push);
 }
 
 /// Row in which the value of row `i` was new, each `period` rows from row `first` on.
@@ -132,7 +128,7 @@ TEST_CASE("a coarse encoder, and a torque that steps slowly or at random, are le
 
 TEST_CASE("a stretch that is too short for a sample of its own is left out, and so is a recording") {
   const auto paused = [](int rows) {
-    return csv(kHeader, rows, [](int i) {
+    return csv(kOneJoint, rows, [](int i) {
       const double gap_s = i < 7 ? 0.0 : 1.0;
       return fmt::format("{:.3f},{:.9f},{:.6f}", 0.001 * i + gap_s, angle(0.001 * newAt(i, 10)),
                          torque(0.001 * newAt(i, 10)));
