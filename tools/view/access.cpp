@@ -1,9 +1,16 @@
 #include "tools/view/access.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include "drivers/files/regular_file.hpp"
 
 namespace patella::view {
 namespace {
+
+constexpr std::size_t kShortestToken = 16;
+/// One line; a file of another kind was named by mistake.
+constexpr files::FileKind kTokenFile{"a token", 4096};
 
 std::string tokenOf(std::string_view target) {
   constexpr std::string_view kKey = "token=";
@@ -49,6 +56,18 @@ std::string refusal(const Access& access, const Visitor& visitor) {
     return "pages of '" + visitor.origin + "' may not connect, see --allow-origin";
   }
   return {};
+}
+
+std::string readToken(const std::filesystem::path& file) {
+  constexpr const char* kSpace = " \t\r\n\v\f";
+  const std::string text = files::readWhole(file, kTokenFile);
+  const std::size_t start = std::min(text.find_first_not_of(kSpace), text.size());
+  const std::string token = text.substr(start, text.find_first_of(kSpace, start) - start);
+  if (token.size() < kShortestToken) {
+    throw std::runtime_error(file.string() + ": a token of " + std::to_string(token.size()) +
+                             " characters, expected at least " + std::to_string(kShortestToken));
+  }
+  return token;
 }
 
 std::vector<std::string> hostsOf(const std::string& address, std::uint16_t port) {

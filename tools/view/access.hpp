@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,10 @@ struct Visitor {
 /// Empty where the visitor may come in, else why not. A page of another site is refused by its origin, and a
 /// name that was made to lead here by its host.
 std::string refusal(const Access& access, const Visitor& visitor);
+
+/// The first word of a file. Throws std::runtime_error with the path where it cannot be read, and why, or is
+/// too short to be a secret.
+std::string readToken(const std::filesystem::path& file);
 
 /// Hosts by which a server that listens there may be called. Those of port 80 stand without it as well.
 std::vector<std::string> hostsOf(const std::string& address, std::uint16_t port);

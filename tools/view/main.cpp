@@ -1,7 +1,6 @@
 // patella-view: serves a live run to viewers. `patella view` starts it.
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -20,8 +19,6 @@
 
 namespace {
 
-constexpr std::size_t kShortestToken = 16;
-
 // "127.0.0.1:8765" or "[::1]:8765".
 void parseListen(const std::string& text, patella::view::ServerOptions& options) {
   const std::size_t colon = text.rfind(':');
@@ -35,17 +32,6 @@ void parseListen(const std::string& text, patella::view::ServerOptions& options)
   }
   options.address = bracketed ? address.substr(1, address.size() - 2) : address;
   options.port = static_cast<std::uint16_t>(std::stoul(port));
-}
-
-std::string readToken(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::string token;
-  stream >> token;
-  if (token.size() < kShortestToken) {
-    throw std::runtime_error(file.string() + ": a token of " + std::to_string(token.size()) +
-                             " characters, expected at least " + std::to_string(kShortestToken));
-  }
-  return token;
 }
 
 // The live run in a folder; nothing where there is none, or it has ended.
@@ -130,7 +116,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   return patella::options::runProgram(app, argc, argv, [&] {
     parseListen(listen, options);
     if (!token_file.empty()) {
-      options.access.token = readToken(token_file);
+      options.access.token = patella::view::readToken(token_file);
     }
     options.name = "Patella, " + std::filesystem::weakly_canonical(run).filename().string();
     std::optional<patella::view::LogReplay> replay;

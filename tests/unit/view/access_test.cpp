@@ -1,6 +1,11 @@
 #include "tools/view/access.hpp"
 
+#include <stdexcept>
+
 #include <doctest/doctest.h>
+
+#include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 using namespace patella::view;
 
@@ -48,4 +53,21 @@ TEST_CASE("on port 80, which browsers leave out, names come in with the port and
   CHECK_FALSE(visit("elsewhere.example", "").empty());
   const Access other{.token = "", .hosts = hostsOf("127.0.0.1", 8765), .origins = {}};
   CHECK_FALSE(refusal(other, {.host = "127.0.0.1", .origin = "", .target = "/"}).empty());
+}
+
+TEST_CASE("a token is the first word of its file; one that cannot be read says why") {
+  const patella::test::ScratchFolder folder;
+  const auto refused = [](const std::filesystem::path& file) {
+    return patella::test::messageOf<std::runtime_error>([&] { readToken(file); });
+  };
+  const std::filesystem::path file = folder / "token";
+  patella::app::writeFile(file, "\n  correct-horse-battery\nwhat else stands there\n");
+  CHECK(readToken(file) == "correct-horse-battery");
+  patella::app::writeFile(file, "horse\n");
+  CHECK(refused(file) == file.string() + ": a token of 5 characters, expected at least 16");
+  patella::app::writeFile(file, "");
+  CHECK(refused(file) == file.string() + ": a token of 0 characters, expected at least 16");
+  // The kernel refuses to read it, whoever asks.
+  CHECK(refused("/proc/self/mem") == "/proc/self/mem: cannot be read: Input/output error");
+  CHECK(refused(folder.path()) == folder.path().string() + ": is a directory, expected a regular file");
 }
