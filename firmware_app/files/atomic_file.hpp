@@ -27,6 +27,8 @@ class AtomicFile {
   void commit();
 
   const std::filesystem::path& target() const noexcept { return target_; }
+  /// Where it is until committed: for a library that writes by name, in place of write().
+  const std::filesystem::path& temporary() const noexcept { return temporary_; }
 
  private:
   void flush();

@@ -15,8 +15,7 @@
 #include <edflib.h>
 
 #include "drivers/can/candump_log.hpp"
-#include "drivers/files/interruption.hpp"
-#include "firmware_app/files/file_error.hpp"
+#include "firmware_app/files/atomic_file.hpp"
 #include "tools/convert/run_events.hpp"
 #include "tools/convert/run_signals.hpp"
 
@@ -91,22 +90,17 @@ std::int64_t startOf(const std::filesystem::path& run) {
 class BdfFile {
  public:
   BdfFile(const std::filesystem::path& target, int signals)
-      : target_(target), partial_(target.string() + ".partial") {
-    unkept_.create([&] {
-      handle_ = edfopen_file_writeonly(partial_.c_str(), EDFLIB_FILETYPE_BDFPLUS, signals);
-      if (handle_ < 0) {
-        throw app::FileError(target_.string() +
-                             ": cannot be created: " + std::generic_category().message(errno));
-      }
-      return partial_;
-    });
+      : file_(target),
+        handle_(edfopen_file_writeonly(file_.temporary().c_str(), EDFLIB_FILETYPE_BDFPLUS, signals)) {
+    if (handle_ < 0) {
+      throw app::FileError(file_.target().string() +
+                           ": cannot be created: " + std::generic_category().message(errno));
+    }
   }
   ~BdfFile() {
     if (handle_ >= 0) {
       edfclose_file(handle_);
     }
-    std::error_code ignored;
-    std::filesystem::remove(partial_, ignored);
   }
   BdfFile(const BdfFile&) = delete;
   BdfFile& operator=(const BdfFile&) = delete;
@@ -114,19 +108,17 @@ class BdfFile {
   int handle() const noexcept { return handle_; }
   void require(int result, const char* what) const {
     if (result != 0) {
-      throw app::FileError(target_.string() + ": " + what + " cannot be written");
+      throw app::FileError(file_.target().string() + ": " + what + " cannot be written");
     }
   }
   void commit() {
     require(edfclose_file(std::exchange(handle_, -1)), "its end");
-    std::filesystem::rename(partial_, target_);
+    file_.commit();
   }
 
  private:
-  std::filesystem::path target_;
-  std::filesystem::path partial_;
-  files::UnkeptPath unkept_;
-  int handle_ = -1;
+  app::AtomicFile file_;
+  int handle_;
 };
 
 void describe(const BdfFile& file, int index, const RunSignal& signal, int rate_Hz, double range) {
