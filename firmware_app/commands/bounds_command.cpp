@@ -26,6 +26,9 @@ Where two numbers stand under *to*, the second one holds with `loop.rehearsal = 
 a rig's time, such as an emulated board. A rehearsal moves no motor: it is refused on a CAN interface that is not virtual
 (vcan).
 
+A path is taken from the folder of the file that names it, or as it stands where it begins with a slash. One of the command
+line is taken from the folder where the program is started.
+
 Examples that hold most keys are `firmware_app/config/adult.toml` and the files that it names.
 )";
 

@@ -245,7 +245,7 @@ std::vector<WordKey> wordKeys() {
       {"Run: loop, real time, bus, network, GPIO", "recorder.mcap", "`true`, `false`", "`false`", "a run.mcap beside the other files of the recording"},
       {"Run: loop, real time, bus, network, GPIO", "recorder.live", "`true`, `false`", "`true`", "the newest messages in shared memory, for patella view"},
       {"Run: loop, real time, bus, network, GPIO", "realtime.lock_memory", "`true`, `false`", "`true`", "mlockall(2), present and future pages"},
-      {"Run: loop, real time, bus, network, GPIO", "bus.backend", "`sim`, `can:INTERFACE`, `replay:LOG`", "`sim`", "where frames come from; `--backend` wins"},
+      {"Run: loop, real time, bus, network, GPIO", "bus.backend", "`sim`, `can:INTERFACE`, `replay:LOG`", "`sim`", "where frames come from, LOG from the folder of this file; `--backend` wins"},
       {"Run: loop, real time, bus, network, GPIO", "bus.map", "path", kRequired, "bus map"},
       {"Run: loop, real time, bus, network, GPIO", "bus.name", "text", "required with `[[bus]]`", "by which the bus map and events speak of one of several buses ([rig.md](rig.md#several-buses))"},
       {"Run: loop, real time, bus, network, GPIO", "bus.interface", "name of an interface", "required with `[[bus]]`", "of the bus, in logs as well; `--backend can:INTERFACE,INTERFACE` wins"},

@@ -99,6 +99,10 @@ void readBusTables(const TomlTable& root, RunConfig& config) {
   } catch (const std::invalid_argument& error) {
     throw table.error("backend", error.what());
   }
+  if (config.backend.kind == BackendKind::kReplay) {
+    std::string& log = config.backend.target;
+    log = (config.path.parent_path() / log).lexically_normal().string();
+  }
   config.bus_map_path = table.existing(several ? "bus_map" : "map");
 }
 

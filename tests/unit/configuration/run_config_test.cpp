@@ -64,6 +64,25 @@ TEST_CASE("backends by name") {
   }
 }
 
+TEST_CASE(
+    "a log that a configuration names is in the folder of the file, one of the command line where it says") {
+  const patella::test::ScratchFolder folder;
+  const auto logOf = [&](const std::string& configured, const std::optional<std::string>& backend = {}) {
+    const std::string text =
+        changed(readFile(kShipped / "adult.toml"), {"\"sim\"", "\"" + configured + "\""});
+    writeFile(folder / "run.toml", withShippedPaths(text));
+    CommandLine line;
+    line.config = folder / "run.toml";
+    line.backend = backend;
+    return loadRunConfig(line).backend.target;
+  };
+  CHECK(logOf("replay:logs/../frames.log") == (folder / "frames.log").string());
+  CHECK(logOf("replay:/tmp/frames.log") == "/tmp/frames.log");
+  CHECK(logOf("can:can0") == "can0");
+  CHECK(logOf("replay:frames.log", "replay:others/frames.log") == "others/frames.log");
+  CHECK(logOf("replay:frames.log", "sim").empty());
+}
+
 TEST_CASE("the command line wins over the file") {
   CommandLine line = shipped();
   line.clock = "virtual";
