@@ -110,13 +110,7 @@ TEST_CASE("a log is played on the virtual clock whatever the file says, a bus ne
 
 TEST_CASE("drives on a real bus are watched") {
   const patella::test::ScratchFolder folder;
-  const auto source = patella::checkout::source() / "firmware_app/config";
-  std::string text = readFile(source / "adult.toml");
-  for (const char* key : {"models/", "can/", "weights/"}) {
-    for (std::size_t at = 0; (at = text.find(std::string("\"") + key, at)) != std::string::npos; ++at) {
-      text.insert(at + 1, (source / "").string());
-    }
-  }
+  const std::string text = withShippedPaths(readFile(kShipped / "adult.toml"));
   writeFile(folder / "unwatched.toml", text + "\n[safety.drive]\nmonitor = false\n");
   CommandLine line;
   line.config = folder / "unwatched.toml";
