@@ -17,10 +17,10 @@
 #include "drivers/canopen/node_setup.hpp"
 #include "drivers/clock/clock.hpp"
 #include "firmware_app/commands/bus_backend.hpp"
+#include "firmware_app/commands/weights_remarks.hpp"
 #include "firmware_app/configuration/reference_check.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/realtime/host_readiness.hpp"
-#include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/simulated_bus.hpp"
 
 namespace patella::app {
@@ -142,11 +142,14 @@ void tellConfiguration(const RunConfig& config, const tick::Tick& tick,
 
 void tellEstimators(const RunConfig& config) {
   line(true, true, "observer", std::string(observerName(config.observer.kind)));
-  const bool unsealed = config.weights && !config.weights_sealed;
-  line(!unsealed, false, "weights",
-       unsealed         ? unsealedWarning(config.weights_path)
-       : config.weights ? config.weights_path.string()
-                        : "none: the observer alone estimates");
+  const std::vector<std::string> remarks = weightsRemarks(config);
+  for (const std::string& remark : remarks) {
+    line(false, false, "weights", remark);
+  }
+  if (remarks.empty()) {
+    line(true, false, "weights",
+         config.weights ? config.weights_path.string() : "none: the observer alone estimates");
+  }
 }
 
 HostNeeds hostNeeds(const RunConfig& config) {

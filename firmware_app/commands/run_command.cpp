@@ -20,6 +20,7 @@
 #include "drivers/canopen/node_setup.hpp"
 #include "drivers/signal_stack.hpp"
 #include "firmware_app/commands/bus_backend.hpp"
+#include "firmware_app/commands/weights_remarks.hpp"
 #include "firmware_app/configuration/reference_check.hpp"
 #include "firmware_app/configuration/stability_check.hpp"
 #include "firmware_app/files/atomic_file.hpp"
@@ -34,7 +35,6 @@
 #include "firmware_app/recorder/run_account.hpp"
 #include "firmware_app/recorder/run_summary.hpp"
 #include "firmware_app/recorder/summary_text.hpp"
-#include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/loop_faults.hpp"
 #include "sim/rig_thread.hpp"
 
@@ -165,21 +165,6 @@ RecorderOptions recorderOptions(const RunConfig& config, const std::filesystem::
           .live = config.record_live};
 }
 
-void warnOfWeights(const RunConfig& config) {
-  if (config.weights && !config.weights_sealed) {
-    spdlog::warn("{}", unsealedWarning(config.weights_path));
-  }
-  // Compensation acts on the network's own inputs, and a linear path takes up what its recordings do not
-  // show (docs/training.md, Linear path).
-  if (config.weights && !config.weights->linear_lags.empty() && config.tick.gains.compensation > 0.0 &&
-      config.tick.compensation == tick::CompensationSource::kNetwork) {
-    spdlog::warn(
-        "{}: a network with a linear path compensates here; train it on a recording in which one did, or "
-        "with --linear-lags none",
-        config.weights_path.string());
-  }
-}
-
 // How much of a log was played, and how the commands of the two compare.
 void addReplay(nlohmann::ordered_json& summary, const can::ReplayBus& replay, const std::string& log) {
   summary["replay"] = {{"recorded_commands", replay.recordedCommands()},
@@ -231,7 +216,9 @@ RunStatus runLoop(const RunConfig& config, const std::filesystem::path& folder,
   }
   const auto tick = makeTick(config);
   requireSoundMotion(config);
-  warnOfWeights(config);
+  for (const std::string& remark : weightsRemarks(config)) {
+    spdlog::warn("{}", remark);
+  }
   for (const std::string& missing : missingLines(config)) {
     spdlog::warn("{}", missing);
   }

@@ -12,7 +12,6 @@
 #include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "firmware_app/files/wording.hpp"
-#include "firmware_app/weights/network_weights_file.hpp"
 
 namespace patella::app {
 namespace {
@@ -262,7 +261,7 @@ RunConfig loadRunConfig(const CommandLine& command_line) {
   config.bus = loadBusDescription(config.bus_map_path, {}, config.rehearsal, busNames(config.buses));
   if (command_line.weights || root.has("weights")) {
     config.weights_path = input(root, "weights", command_line.weights);
-    config.weights = loadNetworkWeights(config.weights_path, &config.weights_sealed);
+    config.weights = loadNetworkWeights(config.weights_path, &config.weights_origin);
   }
   readTickConfig(root, config);
   requirePlaneForForce(config);

@@ -21,6 +21,7 @@
 #include "firmware_app/loop/loop_options.hpp"
 #include "firmware_app/realtime/realtime_options.hpp"
 #include "firmware_app/realtime/watchdog_options.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 #include "sim/rig.hpp"
 
 namespace patella::app {
@@ -91,7 +92,7 @@ struct RunConfig {
   model::ModelDescription model;
   BusDescription bus;
   std::optional<network::NetworkWeights> weights;
-  bool weights_sealed = false;  ///< a digest guards them against flipped bits
+  WeightsOrigin weights_origin;
   network::InferenceOptions inference;
   std::optional<gpio::GpiodPinsOptions> gpio;  ///< empty: simulated lines
   std::vector<BusSettings> buses{1};           ///< at least one

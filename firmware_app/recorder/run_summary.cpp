@@ -65,7 +65,7 @@ Json inputs(const RunConfig& config, const std::vector<InputFile>& files) {
     out[file.role] = {{"file", file.path.filename().string()}, {"sha256", file.sha256}};
   }
   if (config.weights) {
-    out["weights"]["digest"] = config.weights_sealed ? "right" : "none";
+    out["weights"]["digest"] = config.weights_origin.sealed ? "right" : "none";
   }
   return out;
 }

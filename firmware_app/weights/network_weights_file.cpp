@@ -177,6 +177,15 @@ std::string joined(const Values& values, ToText to_text) {
   return text;
 }
 
+/// What is no SHA-256 is a remark of somebody else's.
+std::string digestIn(const std::map<std::string, std::string>& metadata, const std::string& key) {
+  constexpr std::size_t kDigits = 64;
+  const auto found = metadata.find(key);
+  const bool digest = found != metadata.end() && found->second.size() == kDigits &&
+                      found->second.find_first_not_of("0123456789abcdef") == std::string::npos;
+  return digest ? found->second : "";
+}
+
 }  // namespace
 
 std::string unsealedWarning(const std::filesystem::path& path) {
@@ -186,10 +195,10 @@ std::string unsealedWarning(const std::filesystem::path& path) {
          "file that is known to be good";
 }
 
-network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path, bool* sealed) {
+network::NetworkWeights loadNetworkWeights(const std::filesystem::path& path, WeightsOrigin* origin) {
   Safetensors content = readSafetensors(path);
-  if (sealed != nullptr)
-    *sealed = content.sealed;
+  if (origin != nullptr)
+    *origin = {content.sealed, digestIn(content.metadata, kModelDigest)};
   NetworkWeights weights;
   const MetadataReader metadata(path.string(), content.metadata);
   weights.features = metadata.names("features");

@@ -44,18 +44,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     damaged[place] = static_cast<char>(damaged[place] ^ (1 << (data[at + 2] & 7U)));
   }
   const fuzz::MemoryFile file(damaged);
-  bool sealed = false;
+  app::WeightsOrigin origin;
   bool loaded = true;
   try {
-    app::loadNetworkWeights(file.path(), &sealed);
+    app::loadNetworkWeights(file.path(), &origin);
   } catch (const app::FileError&) {
     loaded = false;
   }
   const bool keys_gone =
       damaged.find("\"seal\"") == std::string::npos && damaged.find("\"seal_sha256\"") == std::string::npos;
   if (damaged == whole)
-    fuzz::require(loaded && sealed, "what is not damaged is loaded");
+    fuzz::require(loaded && origin.sealed, "what is not damaged is loaded");
   else
-    fuzz::require(!loaded || (!sealed && keys_gone), "what is damaged is refused, or known to have no seal");
+    fuzz::require(!loaded || (!origin.sealed && keys_gone),
+                  "what is damaged is refused, or known to have no seal");
   return 0;
 }

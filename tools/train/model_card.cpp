@@ -8,6 +8,7 @@
 
 #include "firmware_app/files/file_error.hpp"
 #include "firmware_app/files/json_file.hpp"
+#include "firmware_app/weights/network_weights_file.hpp"
 
 namespace patella::train {
 namespace {
@@ -94,7 +95,7 @@ std::map<std::string, std::string> metadataOf(const ModelCard& card) {
   }
   return {{kDataKey, data.dump()},
           {"card_config_sha256", card.config_sha256},
-          {"card_model_sha256", card.model_sha256},
+          {app::kModelDigest, card.model_sha256},
           {"card_split", card.split},
           {"card_target", targetNames()[static_cast<std::size_t>(card.target)]},
           {"horizon_s", fmt::format("{}", card.horizon_s)},

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "core/network/network_weights.hpp"
+#include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/weights/network_weights_file.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
 #include "tests/integration/malformed/patella_process.hpp"
@@ -20,6 +21,7 @@ using patella::network::NetworkShape;
 using patella::network::NetworkWeights;
 
 constexpr const char* kWeights = "tiny.safetensors";
+constexpr const char* kShipped = "firmware_app/config/weights/demonstration.safetensors";
 
 NetworkWeights tinyNetwork(std::vector<std::string> features, int outputs) {
   NetworkWeights weights;
@@ -126,7 +128,6 @@ TEST_CASE("weights that are no safetensors file") {
 }
 
 TEST_CASE("the network of the default configuration, missing or damaged, is named") {
-  static constexpr const char* kShipped = "firmware_app/config/weights/demonstration.safetensors";
   expectRefused({
       {"missing",
        removed(kShipped),
@@ -170,6 +171,31 @@ TEST_CASE("weights without a digest are used, and check, run and summary say wha
   CHECK(ran.output.find("tiny.safetensors: no digest") != std::string::npos);
   CHECK(ran.output.find("the weights have no digest") != std::string::npos);
   CHECK(workshop.read("out/summary.json").find("\"digest\": \"none\"") != std::string::npos);
+}
+
+TEST_CASE("weights that were trained with another model are used, and check and run name both digests") {
+  Workshop workshop;
+  const auto said = [&](std::vector<std::string> arguments) {
+    const std::vector<std::string> common = {"--config", workshop.file(kConfig).string(), "--weights",
+                                             workshop.file(kShipped).string()};
+    arguments.insert(arguments.end(), common.begin(), common.end());
+    const Outcome outcome = workshop.patella(arguments);
+    CHECK(outcome.exit_status == 0);
+    return outcome.output;
+  };
+  CHECK(said({"check"}).find("another model") == std::string::npos);
+  const std::string trained = patella::app::fileSha256(workshop.file(kModel));
+  workshop.write(kModel, workshop.read(kModel) + "# my leg\n");
+  const std::string remark = "demonstration.safetensors: trained with another model, SHA-256 " + trained +
+                             ", than " + workshop.file(kModel).string() + ", SHA-256 " +
+                             patella::app::fileSha256(workshop.file(kModel));
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"check"},
+        {"run", "--clock", "virtual", "--duration", "0.1", "--out", workshop.output().string()}}) {
+    const std::string output = said(command);
+    CAPTURE(output);
+    CHECK(output.find(remark) != std::string::npos);
+  }
 }
 
 TEST_CASE("weights of another network") {

@@ -18,9 +18,9 @@ TEST_CASE("the documentation's script saves what the loop loads, and both say th
   const std::string command = "/usr/bin/python3 '" + project + "/tests/integration/pytorch/reference.py' '" +
                               project + "/docs/network.md' '" + folder.path().string() + "'";
   REQUIRE(std::system(command.c_str()) == 0);  // NOLINT(concurrency-mt-unsafe)
-  bool sealed = false;
-  const network::NetworkWeights weights = app::loadNetworkWeights(folder / "weights.safetensors", &sealed);
-  CHECK(sealed);
+  app::WeightsOrigin origin;
+  const network::NetworkWeights weights = app::loadNetworkWeights(folder / "weights.safetensors", &origin);
+  CHECK(origin.sealed);
   network::AttentionLstm network(weights);
   const app::CsvTable table = app::CsvTable::load(folder / "reference.csv");
   REQUIRE(table.rows() == 2000);

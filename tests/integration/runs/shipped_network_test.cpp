@@ -29,7 +29,7 @@ nlohmann::ordered_json summaryOf(const app::RunConfig& config) {
 TEST_CASE("the default configuration has a sealed network of at most 2 MB, with its card beside it") {
   const app::RunConfig config = test::demonstration(1.0);
   REQUIRE(config.weights);
-  CHECK(config.weights_sealed);
+  CHECK(config.weights_origin.sealed);
   CHECK(std::filesystem::file_size(config.weights_path) <= 2'000'000);
   CHECK(config.weights->window > 1);  // with attention
   CHECK(config.weights->rate_Hz * config.bus.map.encoder_period_s == doctest::Approx(1.0));
@@ -89,7 +89,7 @@ TEST_CASE("the paper's experiments run sampler and network, and end active") {
     line.duration_s = 4.0;
     const app::RunConfig config = app::loadRunConfig(line);
     REQUIRE(config.weights);
-    CHECK(config.weights_sealed);
+    CHECK(config.weights_origin.sealed);
     const app::LoopStatistics statistics = test::runInLockStep(config, false);
     CHECK(statistics.final_state == safety::State::kActive);
     CHECK(statistics.network_error.count == statistics.sampler_error.count);

@@ -84,6 +84,22 @@ TEST_CASE("a network comes back from its file bit for bit") {
   }
 }
 
+TEST_CASE("a file tells with which model it was trained, where a digest stands in its card") {
+  const ScratchFolder folder;
+  const auto told = [&](const std::map<std::string, std::string>& remarks) {
+    WeightsOrigin origin{.sealed = false, .model_sha256 = "of another file"};
+    saveNetworkWeights(folder / "net.safetensors", sample(1), remarks);
+    loadNetworkWeights(folder / "net.safetensors", &origin);
+    CHECK(origin.sealed);
+    return origin.model_sha256;
+  };
+  const std::string digest(64, 'a');
+  CHECK(told({{"card_model_sha256", digest}}) == digest);
+  CHECK(told({}).empty());
+  CHECK(told({{"card_model_sha256", "adult.toml"}}).empty());
+  CHECK(told({{"card_model_sha256", std::string(64, '\n')}}).empty());
+}
+
 TEST_CASE("the tensors have PyTorch's names and shapes") {
   const ScratchFolder folder;
   const std::filesystem::path path = folder / "net.safetensors";
