@@ -16,7 +16,7 @@ std::vector<KeyDescription> numberKeys() {
   const RunConfig c;
   return {
       {"loop.rate_Hz", formatNumber(c.loop.rate_Hz), "ticks a second"},
-      {"loop.duration_s", formatNumber(c.duration_s), "length of the run; 0 runs until stopped"},
+      {"loop.duration_s", formatNumber(c.duration_s), "length of the run in ticks of `rate_Hz`: it lasts longer by the periods that the loop misses; 0 runs until stopped"},
       {"loop.warmup_ticks", formatNumber(c.warmup_ticks), "first ticks, in which heap operations and page faults are not counted"},
       {"loop.stall_tolerated_s", formatNumber(c.loop.stall_tolerated_s), "longest gap between two ticks before a stop"},
       {"loop.watchdog_timeout_s", formatNumber(c.watchdog.timeout_s), "time without a tick after which the watchdog takes the enable line down"},
