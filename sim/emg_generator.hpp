@@ -39,7 +39,8 @@ struct EmgOptions {
   double range_mV = 1.5;  ///< the amplifier clips here
 };
 
-/// Two pairs of agonist and antagonist in turn, such as extensor and flexor of hip and of knee.
+/// Two pairs of agonist and antagonist in turn, such as flexor and extensor of the hip, extensor and flexor
+/// of the knee.
 EmgOptions scheduledEmg(double period_s = 2.0);
 /// The same four muscles, driven by the motion itself: the first pair by that of joint 1, the other by joint
 /// 2's.
