@@ -33,6 +33,21 @@ std::string_view trimmed(std::string_view cell) {
   return cell;
 }
 
+bool hasDecimalComma(std::string_view cell) {
+  std::string text(trimmed(cell));
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos || text.find_first_of(".,", comma + 1) != std::string::npos) {
+    return false;
+  }
+  text[comma] = '.';
+  text.erase(std::remove(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(comma), '.'),
+             text.begin() + static_cast<std::ptrdiff_t>(comma));
+  const std::string_view digits = std::string_view(text).substr(text.starts_with('+') ? 1 : 0);
+  double value = 0.0;
+  const auto [end, error] = parse(digits, value);
+  return error == std::errc{} && end == digits.data() + digits.size();
+}
+
 CsvTable::Lines linesOf(std::string_view text) {
   return [rest = text](std::string_view& line) mutable {
     if (rest.empty()) {
@@ -102,7 +117,9 @@ double CsvParser::number(std::string_view cell, const std::string& column) const
     }
     std::tie(end, error) = parse(inner, value);
     if (inner.empty() || end != inner.data() + inner.size() || error != std::errc{}) {
-      fail("column '" + column + "': value '" + std::string(cell) + "', expected a number");
+      fail("column '" + column + "': value '" + std::string(cell) +
+           (hasDecimalComma(inner) ? "', which has a decimal comma, expected a decimal point"
+                                   : "', expected a number"));
     }
   }
   if (!std::isfinite(value)) {
@@ -112,6 +129,16 @@ double CsvParser::number(std::string_view cell, const std::string& column) const
     return std::numeric_limits<double>::quiet_NaN();
   }
   return value;
+}
+
+std::string CsvParser::splitNumbers(std::string_view line, std::size_t columns) const {
+  const auto cells = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+  const bool whole = line.find_first_not_of("0123456789+-eE, ") == std::string_view::npos &&
+                     !line.starts_with(',') && !line.ends_with(',') &&
+                     line.find(",,") == std::string_view::npos;
+  return options_.delimiter == ',' && whole && cells > columns && cells <= 2 * columns
+             ? "; if its numbers have decimal commas, expected decimal points"
+             : "";
 }
 
 void CsvParser::fail(const std::string& problem) const {

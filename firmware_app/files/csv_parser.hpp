@@ -13,6 +13,9 @@ namespace patella::app {
 /// Without blanks around it, nor the quotes inside those.
 std::string_view trimmed(std::string_view cell);
 
+/// A number with a decimal comma, "0,5" or "1.234,5".
+bool hasDecimalComma(std::string_view cell);
+
 /// The lines of a text that stays where it is.
 CsvTable::Lines linesOf(std::string_view text);
 
@@ -42,6 +45,9 @@ class CsvParser {
   bool nextCell(std::string_view& cell);
 
   double number(std::string_view cell, const std::string& column) const;
+
+  /// What to say of a line with more cells than columns: empty unless decimal commas may have split numbers.
+  std::string splitNumbers(std::string_view line, std::size_t columns) const;
 
   [[noreturn]] void fail(const std::string& problem) const;
 

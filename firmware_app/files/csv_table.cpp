@@ -131,6 +131,7 @@ CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::stri
   table.columns_.resize(table.names_.size());
 
   const auto read_row = [&] {
+    const std::string_view line = parser.line();
     std::string_view cell;
     std::size_t index = 0;
     while (parser.nextCell(cell)) {
@@ -141,7 +142,8 @@ CsvTable CsvTable::read(const Lines& source, std::uint64_t size, const std::stri
     }
     if (index != header.size()) {
       parser.fail(std::to_string(index) + " cells, expected " + std::to_string(header.size()) +
-                  (options.header ? " as in the header" : " as in the first line"));
+                  (options.header ? " as in the header" : " as in the first line") +
+                  parser.splitNumbers(line, header.size()));
     }
   };
   std::size_t length = 0;

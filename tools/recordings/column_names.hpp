@@ -21,8 +21,9 @@ struct HeaderForm {
   std::string_view remedy{};  ///< ends the message: what else would do
 };
 
-/// Throws app::FileError unless `header` has every column of `needed`: with the missing names, a suggestion
-/// among columns that nothing else uses, the columns found, or the delimiter that the header seems to have.
+/// Throws app::FileError unless `header` has every column of `needed`: with the missing names, and the
+/// delimiter that the header seems to have, or the map for a column in another unit, or a suggestion among
+/// columns that nothing else uses and the columns found.
 void requireColumns(const std::string& file, std::span<const std::string> header,
                     std::span<const std::string> needed, const HeaderForm& form);
 

@@ -91,7 +91,10 @@ TEST_CASE("malformed files are refused with file, line, column, value and expect
   CHECK(errorOf("t_s,q\n0,1e999\n") == "run.csv:2: column 'q': value '1e999', expected a number");
   CHECK(errorOf("t_s,q\n0,nan\n") == "run.csv:2: column 'q': value 'nan', expected a finite number");
   CHECK(errorOf("t_s,q\n0,1\n1\n") == "run.csv:3: 1 cells, expected 2 as in the header");
-  CHECK(errorOf("t_s,q\n0,1\n1,2,3\n") == "run.csv:3: 3 cells, expected 2 as in the header");
+  CHECK(errorOf("t_s,q\n0,1\n1,2,3\n") ==
+        "run.csv:3: 3 cells, expected 2 as in the header; if its numbers have decimal commas, expected "
+        "decimal points");
+  CHECK(errorOf("t_s,q\n0,1\n1,2.5,3\n") == "run.csv:3: 3 cells, expected 2 as in the header");
   CHECK(errorOf("t_s,q\n0,1\n\n2,3\n") == "run.csv:3: column 't_s': value '', expected a number");
   CHECK(errorOf("t_s,q\n") == "run.csv:1: 0 rows of numbers, expected at least 1");
   CHECK(errorOf("t_s,q\n0,1\n", {.minimum_rows = 10}) ==
