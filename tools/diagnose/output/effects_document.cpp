@@ -56,22 +56,42 @@ std::set<std::string> simplerKinds(const EffectHome& home) {
   return simpler;
 }
 
+// An item of a list, in lines as long as those of the other documents. None begins with an operator, which
+// would be the sign of another item.
+std::string listItem(const std::string& text) {
+  constexpr std::size_t kColumns = 132;
+  constexpr std::size_t kIndent = 2;
+  std::string lines;
+  std::string rest = "- " + text;
+  while (rest.size() > kColumns) {
+    std::size_t end = rest.rfind(' ', kColumns);
+    while (end > kIndent && std::string_view("+-*").find(rest[end + 1]) != std::string_view::npos) {
+      end = rest.rfind(' ', end - 1);
+    }
+    if (end <= kIndent) {
+      break;  // a word that is longer than a line
+    }
+    lines += rest.substr(0, end) + "\n";
+    rest = "  " + rest.substr(end + 1);
+  }
+  return lines + rest + "\n";
+}
+
 std::string effectSection(const model::EffectDescriptor& effect) {
   const EffectHome& home = effectHome(effect.kind);
-  std::string text = fmt::format("## {}\n\n{}\n\n- Equation: `{}`\n- Shows on: {}{}\n", effect.kind,
-                                 home.what, effect.equation, variableWords(home.shows),
-                                 home.at_rest ? "; postures at rest show it, too" : "");
+  std::string text =
+      fmt::format("## {}\n\n{}\n\n{}- Shows on: {}{}\n", effect.kind, home.what,
+                  listItem(fmt::format("Equation: `{}`", effect.equation)), variableWords(home.shows),
+                  home.at_rest ? "; postures at rest show it, too" : "");
   if (home.of_patient) {
     text += fmt::format("- Looked for on joints that turn{}\n",
                         home.of_knee ? " in the plane of the joint before: knees" : " only");
   }
   if (const auto simpler = simplerKinds(home); !simpler.empty()) {
-    text += fmt::format("- Stands in place of: {}\n", fmt::join(simpler, ", "));
+    text += listItem(fmt::format("Stands in place of: {}", fmt::join(simpler, ", ")));
   }
-  text += fmt::format(
-      "- Source: {}\n\n| parameter | meaning | from | to | initial | from recordings |\n"
-      "|---|---|---|---|---|---|\n",
-      effect.source);
+  text += listItem(fmt::format("Source: {}", effect.source)) +
+          "\n| parameter | meaning | from | to | initial | from recordings |\n|---|---|---|---|---|---|\n";
   for (const model::EffectParameter& parameter : effect.parameters) {
     text += fmt::format("| `{}` | {} | {:g} | {:g} | {:g} | {} |\n", parameter.name, parameter.meaning,
                         parameter.minimum, parameter.maximum, parameter.initial,
