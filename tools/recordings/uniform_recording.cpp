@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "firmware_app/files/file_error.hpp"
 #include "tools/convert/time_base.hpp"
+#include "tools/recordings/instants.hpp"
 #include "tools/recordings/integrated_position.hpp"
 #include "tools/recordings/outliers.hpp"
 #include "tools/recordings/reading_limits.hpp"
@@ -18,7 +17,6 @@
 #include "tools/recordings/sample_clock.hpp"
 #include "tools/recordings/time_units.hpp"
 #include "tools/recordings/torque_clipping.hpp"
-#include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -27,7 +25,6 @@ using app::FileError;
 using convert::Interpolation;
 using convert::TimeBase;
 
-constexpr double kRoundingOfRate = 0.002;
 /// Share of the rows: with more of them without a value, it is the recording that is broken and not the bus.
 constexpr double kMostIncomplete = 0.1;
 
@@ -83,74 +80,6 @@ void requireRows(const RawRecording& raw, std::size_t rows, std::size_t fewest) 
   if (rows < fewest) {
     throw FileError(fmt::format("{}: {} complete rows, expected at least {}", raw.name, rows, fewest));
   }
-}
-
-/// Rows with increasing stamps, and for each the rows of the recording that share its stamp.
-struct Instants {
-  std::vector<double> stamp_s;
-  std::vector<Segment> rows;
-};
-
-Instants instantsOf(const RawRecording& raw) {
-  Instants instants;
-  for (std::size_t row = 0; row < raw.rows(); ++row) {
-    const double stamp_s = raw.stamp_s[row];
-    if (!instants.stamp_s.empty() && stamp_s <= instants.stamp_s.back()) {
-      if (stamp_s < instants.stamp_s.back()) {
-        throw FileError(
-            fmt::format("{}: time {} s comes after {} s in the row before, expected it to increase",
-                        placeOf(raw, row), stamp_s, instants.stamp_s.back()));
-      }
-      instants.rows.back().end = row + 1;
-      continue;
-    }
-    instants.stamp_s.push_back(stamp_s);
-    instants.rows.push_back({.first = row, .end = row + 1});
-  }
-  return instants;
-}
-
-/// Mean of the steps between which no sample was lost: those about as long as the median.
-double ordinaryStep_s(const std::vector<double>& stamps_s) {
-  std::vector<double> steps(stamps_s.size());
-  std::adjacent_difference(stamps_s.begin(), stamps_s.end(), steps.begin());
-  steps.erase(steps.begin());
-  const double median_s = offline::median(steps);
-  std::erase_if(steps, [=](double step) { return std::abs(step - median_s) > 0.5 * median_s; });
-  return std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
-}
-
-/// Samples by elapsed time, lost ones counted, in stretches against whose length jitter is little.
-double meanRate(const std::vector<double>& stamps_s) {
-  constexpr std::size_t kLength = 50;
-  const double step_s = ordinaryStep_s(stamps_s);
-  double samples = 0.0, elapsed_s = 0.0;
-  for (std::size_t i = kLength; i < stamps_s.size(); i += kLength) {
-    const double stretch_s = stamps_s[i] - stamps_s[i - kLength];
-    const double count = std::round(stretch_s / step_s);
-    if (count < 2.0 * kLength) {
-      samples += count;
-      elapsed_s += stretch_s;
-    }
-  }
-  return samples > 0.0 ? samples / elapsed_s : 1.0 / step_s;
-}
-
-double rateOf(const RawRecording& raw, const Instants& instants) {
-  const double rate_Hz = raw.rate_Hz.value_or(meanRate(instants.stamp_s));
-  const double whole_Hz = std::round(rate_Hz);
-  return std::abs(rate_Hz - whole_Hz) <= kRoundingOfRate * rate_Hz ? whole_Hz : rate_Hz;
-}
-
-std::vector<double> averaged(const std::vector<double>& values, const Instants& instants) {
-  std::vector<double> result;
-  result.reserve(instants.rows.size());
-  for (const Segment& rows : instants.rows) {
-    const double sum = std::accumulate(values.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                                       values.begin() + static_cast<std::ptrdiff_t>(rows.end), 0.0);
-    result.push_back(sum / static_cast<double>(rows.end - rows.first));
-  }
-  return result;
 }
 
 /// Instants first … end−1 between two gaps, and the uniform ones that take their place.
@@ -267,8 +196,8 @@ void trustStampsOrClock(const RawRecording& raw, const Instants& instants, std::
 }
 
 /// Joins `values`, one for each instant, of all stretches one after the other.
-std::vector<double> joined(const std::vector<double>& values, const std::vector<Stretch>& stretches,
-                           Interpolation method) {
+std::vector<double> resampled(const std::vector<double>& values, const std::vector<Stretch>& stretches,
+                              Interpolation method) {
   std::vector<double> result;
   for (const Stretch& stretch : stretches) {
     const std::vector<double> part = convert::resample(stretch.base, values, stretch.grid_s, method);
@@ -284,10 +213,10 @@ void fillEmg(const RawRecording& raw, const Instants& instants, const std::vecto
   for (std::size_t c = 0; c < kMaxEmgChannels; ++c) {
     if (!raw.activation[c].empty() && !silent(raw.activation[c])) {
       recording.activation[c] =
-          joined(averaged(raw.activation[c], instants), stretches, Interpolation::kLinear);
+          resampled(averaged(raw.activation[c], instants), stretches, Interpolation::kLinear);
     }
     if (!raw.emg_mV[c].empty()) {
-      emg_mV[c] = joined(averaged(raw.emg_mV[c], instants), stretches, Interpolation::kLinear);
+      emg_mV[c] = resampled(averaged(raw.emg_mV[c], instants), stretches, Interpolation::kLinear);
       raw_emg = raw_emg || !silent(emg_mV[c]);
     }
   }
@@ -307,16 +236,17 @@ void fillJoints(RawRecording& raw, const Instants& instants, const std::vector<S
   for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
     const std::vector<double> torque = taken(raw.torque_Nm[j]);
     warnOfClipping(torque, j, recording.warnings);
-    recording.torque_Nm[j] = joined(torque, stretches, of_torque);
-    recording.position_rad[j] = joined(taken(raw.position_rad[j]), stretches, Interpolation::kCubic);
+    recording.torque_Nm[j] = resampled(torque, stretches, of_torque);
+    recording.position_rad[j] = resampled(taken(raw.position_rad[j]), stretches, Interpolation::kCubic);
     if (!raw.velocity_rad_s[j].empty()) {
-      recording.velocity_rad_s[j] = joined(taken(raw.velocity_rad_s[j]), stretches, Interpolation::kCubic);
+      recording.velocity_rad_s[j] = resampled(taken(raw.velocity_rad_s[j]), stretches, Interpolation::kCubic);
     }
     if (!raw.commanded_Nm[j].empty()) {
-      recording.commanded_Nm[j] = joined(taken(raw.commanded_Nm[j]), stretches, Interpolation::kHold);
+      recording.commanded_Nm[j] = resampled(taken(raw.commanded_Nm[j]), stretches, Interpolation::kHold);
     }
     if (!raw.unknown_rad_s2[j].empty()) {
-      recording.unknown_rad_s2[j] = joined(taken(raw.unknown_rad_s2[j]), stretches, Interpolation::kLinear);
+      recording.unknown_rad_s2[j] =
+          resampled(taken(raw.unknown_rad_s2[j]), stretches, Interpolation::kLinear);
     }
   }
 }
