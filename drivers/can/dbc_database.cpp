@@ -4,6 +4,7 @@
 
 #include "drivers/can/dbc.hpp"
 #include "drivers/files/regular_file.hpp"
+#include "drivers/joined.hpp"
 
 namespace patella::can {
 
@@ -39,10 +40,8 @@ const Message* Database::find(std::uint32_t id, bool extended) const noexcept {
 const Message& Database::message(std::string_view name) const {
   if (const Message* found = find(name))
     return *found;
-  std::string known;
-  for (const Message& candidate : messages)
-    known += (known.empty() ? "" : ", ") + candidate.name;
-  throw std::invalid_argument(source + ": no message '" + std::string(name) + "'; there are: " + known);
+  throw std::invalid_argument(source + ": no message '" + std::string(name) +
+                              "'; there are: " + joined(messages, ", ", &Message::name));
 }
 
 }  // namespace patella::can

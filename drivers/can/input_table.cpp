@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "core/types.hpp"
+#include "drivers/joined.hpp"
 
 namespace patella::can {
 
@@ -22,12 +23,10 @@ InputId inputOf(std::string_view name, int joints) {
                          [&](const InputKind& candidate) { return candidate.name == name.substr(0, dot); });
   }
   if (known == kInputKinds.end()) {
-    std::string names;
-    for (const InputKind& candidate : kInputKinds) {
-      names += std::string(names.empty() ? "" : ", ") + std::string(candidate.name) +
-               (candidate.indexed ? ".<number>" : "");
-    }
-    throw std::invalid_argument(quoted + " is unknown; there are: " + names);
+    const auto text = [](const InputKind& kind) {
+      return std::string(kind.name) + (kind.indexed ? ".<number>" : "");
+    };
+    throw std::invalid_argument(quoted + " is unknown; there are: " + joined(kInputKinds, ", ", text));
   }
   const auto input = static_cast<Input>(known - kInputKinds.begin());
   if (!known->indexed) {

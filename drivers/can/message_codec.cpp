@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "drivers/can/crc8.hpp"
+#include "drivers/joined.hpp"
 
 namespace patella::can {
 
@@ -47,11 +48,8 @@ CompiledMessage::CompiledMessage(const Message& message, const Protection& prote
 const Signal& CompiledMessage::require(std::string_view signal) const {
   if (const Signal* found = message_.find(signal))
     return *found;
-  std::string known;
-  for (const Signal& candidate : message_.signals)
-    known += (known.empty() ? "" : ", ") + candidate.name;
   throw std::invalid_argument("message '" + message_.name + "' has no signal '" + std::string(signal) +
-                              "'; there are: " + known);
+                              "'; there are: " + joined(message_.signals, ", ", &Signal::name));
 }
 
 std::size_t CompiledMessage::slot(std::string_view signal) {

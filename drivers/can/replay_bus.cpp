@@ -7,6 +7,7 @@
 
 #include "drivers/can/candump_log.hpp"
 #include "drivers/can/stamp_order.hpp"
+#include "drivers/joined.hpp"
 
 namespace patella::can {
 namespace {
@@ -42,11 +43,8 @@ std::uint8_t busOf(const std::string& interface, const std::vector<std::string>&
   const auto found = std::find(interfaces.begin(), interfaces.end(), interface);
   if (found != interfaces.end())
     return static_cast<std::uint8_t>(found - interfaces.begin());
-  std::string known;
-  for (const std::string& name : interfaces)
-    known += (known.empty() ? "" : ", ") + name;
   throw LogError(place + ": a frame of interface '" + interface +
-                 "', expected one of the configuration's: " + known);
+                 "', expected one of the configuration's: " + joined(interfaces, ", "));
 }
 
 enum class Role : std::uint8_t { kReceived, kSent, kCommand, kClosing };

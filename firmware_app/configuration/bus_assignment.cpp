@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace patella::app {
+#include "drivers/joined.hpp"
 
-std::string listOf(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  return text;
-}
+namespace patella::app {
 
 std::optional<std::uint8_t> BusAssignment::read(const TomlTable& table) const {
   const std::string name = table.string("bus", "");
@@ -25,7 +19,7 @@ std::optional<std::uint8_t> BusAssignment::read(const TomlTable& table) const {
   if (found == names_->end()) {
     const bool named = !names_->empty() && !names_->front().empty();
     throw table.error("bus", "value '" + name + "', expected " +
-                                 (named ? "a bus of the run configuration: " + listOf(*names_)
+                                 (named ? "a bus of the run configuration: " + joined(*names_, ", ")
                                         : "no 'bus': the run configuration has one bus, without a name"));
   }
   return static_cast<std::uint8_t>(found - names_->begin());
@@ -53,7 +47,7 @@ void BusAssignment::apply(const std::string& map, can::Database& database) const
   for (const auto& [name, use] : uses_) {
     if (!use.bus) {
       throw FileError(use.origin + ": nothing says on which bus message '" + name +
-                      "' travels, expected 'bus' with one of its uses: " + listOf(*names_));
+                      "' travels, expected 'bus' with one of its uses: " + joined(*names_, ", "));
     }
     used[*use.bus] = true;
     for (can::Message& message : database.messages) {

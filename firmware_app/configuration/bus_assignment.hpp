@@ -16,9 +16,6 @@ namespace patella::app {
 /// of no buses, and takes all messages for those of one.
 using BusNames = std::optional<std::vector<std::string>>;
 
-/// "hip, knee", for messages.
-std::string listOf(const std::vector<std::string>& names);
-
 class BusAssignment {
  public:
   explicit BusAssignment(const BusNames& names) : names_(names) {}

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/bounds/bounds.hpp"
+#include "drivers/joined.hpp"
 #include "firmware_app/files/bounded.hpp"
 #include "firmware_app/files/urdf_file.hpp"
 #include "firmware_app/files/wording.hpp"
@@ -45,11 +46,8 @@ ChainLink readLink(const TomlTable& table) {
 }
 
 std::string listed(std::span<const double> values) {
-  std::string text;
-  for (const double value : values) {
-    text += (text.empty() ? "" : ", ") + formatNumber(value + 0.0);  // TOML's -0 is a whole number, and so 0
-  }
-  return "[" + text + "]";
+  // TOML's -0 is a whole number, and so 0.
+  return "[" + joined(values, ", ", [](double value) { return formatNumber(value + 0.0); }) + "]";
 }
 
 std::string line(const char* key, std::span<const double> values, const char* comment) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/check.hpp"
+#include "drivers/joined.hpp"
 
 namespace patella::app {
 namespace {
@@ -61,11 +62,7 @@ void appendFormatted(std::string& text, double value) {
 }
 
 std::string quotedList(std::span<const std::string> names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "'" : ", '") + name + "'";
-  }
-  return text;
+  return joined(names, ", ", [](const std::string& name) { return "'" + name + "'"; });
 }
 
 std::string nearestName(std::string_view name, std::span<const std::string> candidates) {

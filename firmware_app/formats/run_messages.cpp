@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "drivers/joined.hpp"
 #include "firmware_app/formats/frame_bits.hpp"
 #include "firmware_app/formats/ros2_definitions.hpp"
 
@@ -88,11 +89,7 @@ std::vector<std::size_t> RunMessages::perJoint(std::string_view stem, std::strin
 }
 
 std::vector<ChannelDescription> RunMessages::channels() const {
-  std::string columns;
-  for (const std::string& column : columns_) {
-    columns += (columns.empty() ? "" : ",") + column;
-  }
-  return {{std::string(kTickTopic), std::string(kTickType), tickDefinition(fields_), columns},
+  return {{std::string(kTickTopic), std::string(kTickType), tickDefinition(fields_), joined(columns_, ",")},
           {"/joint_states", "sensor_msgs/msg/JointState", jointStateDefinition(), ""},
           {"/patella/events", "rcl_interfaces/msg/Log", logDefinition(), ""},
           {"/patella/timing", "patella_msgs/msg/Timing", timingDefinition(), ""},

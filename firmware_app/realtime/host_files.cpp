@@ -9,6 +9,8 @@
 
 #include <unistd.h>
 
+#include "drivers/joined.hpp"
+
 namespace patella::app {
 
 std::optional<std::string> HostFiles::text(std::string_view relative) const {
@@ -81,11 +83,7 @@ std::vector<int> parseCpuList(std::string_view list) {
 }
 
 std::string formatCpuList(const std::vector<int>& cpus) {
-  std::string list;
-  for (const int cpu : cpus) {
-    list += (list.empty() ? "" : ",") + std::to_string(cpu);
-  }
-  return list.empty() ? "none" : list;
+  return cpus.empty() ? "none" : joined(cpus, ",", [](int cpu) { return std::to_string(cpu); });
 }
 
 bool hasCapability(int capability) {

@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "drivers/joined.hpp"
 #include "firmware_app/realtime/interrupt_findings.hpp"
 
 namespace patella::app {
@@ -64,13 +65,10 @@ Finding memlockFinding() {
 
 Finding governorFinding(const HostFiles& host) {
   const std::vector<std::string> governors = host.governors();
-  std::string found;
-  for (const std::string& governor : governors) {
-    found += (found.empty() ? "" : ", ") + governor;
-  }
   const bool ok = std::all_of(governors.begin(), governors.end(),
                               [](const std::string& governor) { return governor == "performance"; });
-  return finding("governor", kAdvised, ok, found.empty() ? "no frequency scaling" : found, "performance",
+  return finding("governor", kAdvised, ok,
+                 governors.empty() ? "no frequency scaling" : joined(governors, ", "), "performance",
                  "cpupower frequency-set -g performance");
 }
 

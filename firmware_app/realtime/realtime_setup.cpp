@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "core/bounds/bounds.hpp"
+#include "drivers/joined.hpp"
 #include "drivers/signal_stack.hpp"
 
 namespace patella::app {
@@ -116,14 +117,6 @@ std::vector<int> affinity() {
     }
   }
   return cpus;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text.empty() ? "none" : text;
 }
 
 std::vector<Finding> judge(const RealtimeReport& report, const RealtimeOptions& options) {
@@ -269,7 +262,8 @@ void RealtimeSetup::readBack(const RealtimeOptions& options, const HostFiles& ho
   report_.cpus = affinity();
   report_.cpu_dma_latency_held = dma_latency_fd_ >= 0;
   report_.preempt_rt = host.preemptRt();
-  report_.governor = joined(host.governors());
+  const std::vector<std::string> governors = host.governors();
+  report_.governor = governors.empty() ? "none" : joined(governors, ", ");
   report_.isolated_cpus = host.cpuList("sys/devices/system/cpu/isolated");
   report_.timer_slack_ns = prctl(PR_GET_TIMERSLACK);
   report_.findings = judge(report_, options);

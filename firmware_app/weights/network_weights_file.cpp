@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "drivers/joined.hpp"
 #include "firmware_app/files/file_error.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
@@ -72,13 +73,12 @@ class MetadataReader {
   Value choice(const std::string& key,
                const std::array<std::pair<std::string_view, Value>, kCount>& choices) const {
     const std::string& value = text(key);
-    std::string expected;
     for (const auto& [name, meaning] : choices) {
       if (name == value)
         return meaning;
-      expected += (expected.empty() ? "" : " or ") + std::string(name);
     }
-    fail(key, "'" + value + "', expected " + expected);
+    fail(key, "'" + value + "', expected " +
+                  joined(choices, " or ", [](const auto& choice) { return choice.first; }));
   }
 
  private:
@@ -169,14 +169,6 @@ std::string nameOf(Value value, const std::array<std::pair<std::string_view, Val
   return std::string(found->first);
 }
 
-template <typename Values, typename ToText>
-std::string joined(const Values& values, ToText to_text) {
-  std::string text;
-  for (const auto& value : values)
-    text += (&value == &*values.begin() ? "" : ",") + to_text(value);
-  return text;
-}
-
 /// What is no SHA-256 is a remark of somebody else's.
 std::string digestIn(const std::map<std::string, std::string>& metadata, const std::string& key) {
   constexpr std::size_t kDigits = 64;
@@ -244,18 +236,19 @@ void saveNetworkWeights(const std::filesystem::path& path, const network::Networ
     throw FileError(path.string() + ": " + error.what());
   }
   Safetensors content;
-  content.metadata = {{"features", joined(weights.features, [](const std::string& name) { return name; })},
-                      {"feature_mean", joined(weights.feature_mean, formatNumber)},
-                      {"feature_scale", joined(weights.feature_scale, formatNumber)},
-                      {"output_mean", joined(weights.output_mean, formatNumber)},
-                      {"output_scale", joined(weights.output_scale, formatNumber)},
+  content.metadata = {{"features", joined(weights.features, ",")},
+                      {"feature_mean", joined(weights.feature_mean, ",", formatNumber)},
+                      {"feature_scale", joined(weights.feature_scale, ",", formatNumber)},
+                      {"output_mean", joined(weights.output_mean, ",", formatNumber)},
+                      {"output_scale", joined(weights.output_scale, ",", formatNumber)},
                       {"rate_Hz", formatNumber(weights.rate_Hz)},
                       {"window", std::to_string(weights.window)},
                       {"heads", std::to_string(weights.heads)},
                       {"attention_scale", nameOf(weights.attention_scale, kAttentionScales)},
                       {"output", nameOf(weights.output, kOutputKinds)}};
   if (!weights.linear_lags.empty())
-    content.metadata[kLinearLags] = joined(weights.linear_lags, [](int lag) { return std::to_string(lag); });
+    content.metadata[kLinearLags] =
+        joined(weights.linear_lags, ",", [](int lag) { return std::to_string(lag); });
   content.metadata.insert(remarks.begin(), remarks.end());
   network::visitTensors(weights, network::shapeOf(weights),
                         [&](const std::string& name, const auto& tensor, Eigen::Index, Eigen::Index) {

@@ -4,6 +4,7 @@
 
 #include <sha2.h>
 
+#include "drivers/joined.hpp"
 #include "firmware_app/weights/safetensors_file.hpp"
 
 namespace patella::app {
@@ -39,11 +40,8 @@ std::string contentSha256(const Safetensors& content) {
     digest.addText(value);
   }
   for (const auto& [name, tensor] : content.tensors) {
-    std::string sizes;
-    for (const std::int64_t size : tensor.shape)
-      sizes += (sizes.empty() ? "" : ",") + std::to_string(size);
     digest.addText(name);
-    digest.addText(sizes);
+    digest.addText(joined(tensor.shape, ",", [](std::int64_t size) { return std::to_string(size); }));
     digest.add({reinterpret_cast<const char*>(tensor.values.data()), tensor.values.size() * sizeof(float)});
   }
   return digest.text();

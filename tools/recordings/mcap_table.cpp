@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/joined.hpp"
 #include "firmware_app/files/wording.hpp"
 #include "firmware_app/formats/mcap_reader.hpp"
 #include "firmware_app/formats/tick_message.hpp"
@@ -31,13 +32,7 @@ class TickLines {
     }
   }
 
-  std::string header() const {
-    std::string text;
-    for (const std::string& column : decoder_->columns()) {
-      text += (text.empty() ? "" : ",") + column;
-    }
-    return text;
-  }
+  std::string header() const { return joined(decoder_->columns(), ","); }
 
   bool next(std::string& line) {
     while (reader_.next(record_)) {

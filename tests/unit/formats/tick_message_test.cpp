@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "drivers/joined.hpp"
 #include "firmware_app/formats/run_messages.hpp"
 #include "firmware_app/recorder/tick_record.hpp"
 
@@ -21,14 +22,6 @@ std::vector<std::string> columnsOf(int joints) {
     names.push_back(column.name);
   }
   return names;
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "" : ",") + name;
-  }
-  return text;
 }
 
 bool sameBits(double a, double b) {
@@ -68,7 +61,7 @@ TEST_CASE("a row comes back from its message to the last bit, for one joint and 
     const auto fields = tickFields(columns);
     CdrWriter message;
     encodeTick(message, fields, row);
-    const TickDecoder decoder(tickDefinition(fields), joined(columns));
+    const TickDecoder decoder(tickDefinition(fields), joined(columns, ","));
     CHECK(decoder.columns() == columns);
     std::vector<double> back;
     decoder.decode(message.bytes(), back);

@@ -1,21 +1,13 @@
 #include <fmt/format.h>
 
+#include "drivers/joined.hpp"
 #include "tools/bench/diagnose/summary.hpp"
 
 namespace patella::bench {
 namespace {
 
-template <typename Items, typename Text>
-std::string joined(const Items& items, Text&& text) {
-  std::string result;
-  for (const auto& item : items) {
-    result += (result.empty() ? "" : ";") + text(item);
-  }
-  return result;
-}
-
 std::string values(const std::vector<double>& numbers) {
-  return joined(numbers, [](double value) { return fmt::format("{:.4g}", value); });
+  return joined(numbers, ";", [](double value) { return fmt::format("{:.4g}", value); });
 }
 
 std::string trueParameters(const CaseEffect& effect) {
@@ -28,7 +20,7 @@ std::string trueParameters(const CaseEffect& effect) {
 }
 
 std::string foundParameters(const diagnose::EffectFinding& finding) {
-  return joined(finding.parameters, [](const diagnose::ParameterEstimate& p) {
+  return joined(finding.parameters, ";", [](const diagnose::ParameterEstimate& p) {
     return fmt::format("{}={:.5g} [{:.5g} {:.5g}]", p.name, p.value, p.ci95[0], p.ci95[1]);
   });
 }
@@ -64,23 +56,23 @@ std::string csvRow(const CaseResult& one) {
       std::to_string(one.joints),
       one.motion,
       fmt::format("{:.1f}", one.duration_s),
-      joined(one.effects, [](const CaseEffect& e) { return e.effect.label(); }),
-      joined(one.effects, trueParameters),
-      joined(one.effects, [](const CaseEffect& e) { return fmt::format("{:.3f}", e.strength); }),
-      joined(one.effects, [](const CaseEffect& e) { return fmt::format("{:.3f}", e.raw_strength); }),
+      joined(one.effects, ";", [](const CaseEffect& e) { return e.effect.label(); }),
+      joined(one.effects, ";", trueParameters),
+      joined(one.effects, ";", [](const CaseEffect& e) { return fmt::format("{:.3f}", e.strength); }),
+      joined(one.effects, ";", [](const CaseEffect& e) { return fmt::format("{:.3f}", e.raw_strength); }),
       one.truth.in_span ? "1" : "0",
       failed ? "" : std::string(diagnose::verdictName(d.verdict)),
-      joined(d.effects, [](const auto& f) { return f.kind + "@" + std::to_string(f.joint + 1); }),
-      joined(d.effects, foundParameters),
-      joined(d.effects, [](const auto& f) { return fmt::format("{:.3g}", f.p_value); }),
-      joined(d.effects, [](const auto& f) { return fmt::format("{:.3g}", f.gain); }),
-      joined(d.effects,
+      joined(d.effects, ";", [](const auto& f) { return f.kind + "@" + std::to_string(f.joint + 1); }),
+      joined(d.effects, ";", foundParameters),
+      joined(d.effects, ";", [](const auto& f) { return fmt::format("{:.3g}", f.p_value); }),
+      joined(d.effects, ";", [](const auto& f) { return fmt::format("{:.3g}", f.gain); }),
+      joined(d.effects, ";",
              [](const auto& f) { return fmt::format("{{{}}}", fmt::join(f.indistinguishable_from, " ")); }),
       failed ? "" : std::string(outcomeName(one.score.outcome)),
       one.score.named_right ? "1" : "0",
       std::to_string(one.score.false_findings),
       joined(
-          d.unexplained,
+          d.unexplained, ";",
           [](const auto& u) { return fmt::format("{}→{} {:.3g}", u.variable, u.joint + 1, u.explained_Nm); }),
       one.score.right_variable ? (*one.score.right_variable ? "1" : "0") : "",
       values(one.truth.heldout_noise_Nm),
@@ -94,11 +86,7 @@ std::string csvRow(const CaseResult& one) {
       fmt::format("{:.2f}", one.diagnosing_s),
       fmt::format("{:.2f}", one.processor_s),
       one.error};
-  std::string row;
-  for (const std::string& text : cells) {
-    row += (row.empty() ? "" : ",") + cell(text);
-  }
-  return row + "\n";
+  return joined(cells, ",", cell) + "\n";
 }
 
 }  // namespace patella::bench
