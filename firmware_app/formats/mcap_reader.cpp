@@ -3,22 +3,17 @@
 #include <array>
 #include <system_error>
 
-#include <zlib.h>
 #include <zstd.h>
 
 #include "firmware_app/files/file_error.hpp"
 #include "firmware_app/formats/little_endian.hpp"
+#include "firmware_app/formats/mcap_crc.hpp"
 
 namespace patella::formats {
 namespace {
 
 constexpr std::uint64_t kLargestChunk = 256'000'000;
 constexpr std::uint64_t kLargestRecord = 1'000'000'000;  // attached recordings
-
-std::uint32_t crcOf(std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
-}
 
 McapSchemaRecord schemaOf(ByteReader reader) {
   McapSchemaRecord record;
@@ -58,7 +53,7 @@ McapAttachment attachmentOf(std::string_view content) {
   attachment.media_type = reader.text();
   attachment.data = reader.take(reader.number<std::uint64_t>());
   const auto crc = reader.number<std::uint32_t>();
-  if (crc != 0 && crc != crcOf(content.substr(0, content.size() - sizeof(crc)))) {
+  if (crc != 0 && crc != mcapCrc(content.substr(0, content.size() - sizeof(crc)))) {
     throw std::invalid_argument("an attachment '" + attachment.name + "' contradicts its checksum");
   }
   return attachment;
@@ -156,7 +151,7 @@ void McapReader::openChunk() {
   } else {
     fail("compression '" + compression + "', expected zstd or none");
   }
-  if (chunk_.size() != size || (crc != 0 && crc != crcOf(chunk_))) {
+  if (chunk_.size() != size || (crc != 0 && crc != mcapCrc(chunk_))) {
     fail("a chunk contradicts its length or its checksum");
   }
   chunk_at_ = 0;

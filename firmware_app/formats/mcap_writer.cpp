@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include <zlib.h>
 #include <zstd.h>
 
 #include "firmware_app/formats/little_endian.hpp"
+#include "firmware_app/formats/mcap_crc.hpp"
 
 namespace patella::formats {
 namespace {
@@ -14,11 +14,6 @@ namespace {
 constexpr std::size_t kChunkBytes = 1U << 20;
 constexpr std::uint64_t kChunkTime_ns = 1'000'000'000;
 constexpr int kCompressionLevel = 3;
-
-std::uint32_t crcOf(std::uint32_t crc, std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
-}
 
 std::string contentOf(const McapSchema& schema, std::uint16_t id) {
   std::string content;
@@ -84,7 +79,7 @@ McapWriter::McapWriter(Sink sink, const std::string& library)
 McapWriter::~McapWriter() = default;
 
 void McapWriter::put(std::string_view bytes) {
-  crc_ = crcOf(crc_, bytes);
+  crc_ = mcapCrc(bytes, crc_);
   written_ += bytes.size();
   sink_(bytes);
 }
@@ -143,7 +138,7 @@ void McapWriter::endChunk() {
   appendNumber(content, chunk_first_ns_);
   appendNumber(content, chunk_last_ns_);
   appendNumber(content, static_cast<std::uint64_t>(chunk_.size()));
-  appendNumber(content, crcOf(0, chunk_));
+  appendNumber(content, mcapCrc(chunk_));
   appendText(content, "zstd");
   appendNumber(content, static_cast<std::uint64_t>(compressed.size()));
   content.append(compressed);
@@ -194,7 +189,7 @@ void McapWriter::add(const McapAttachment& attachment) {
   appendText(content, attachment.media_type);
   appendNumber(content, static_cast<std::uint64_t>(attachment.data.size()));
   content.append(attachment.data);
-  appendNumber(content, crcOf(0, content));
+  appendNumber(content, mcapCrc(content));
   attachments_.push_back({.offset = written_,
                           .length = kMcapRecordHead + content.size(),
                           .time_ns = attachment.time_ns,
