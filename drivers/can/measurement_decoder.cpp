@@ -136,7 +136,6 @@ bool MeasurementDecoder::plausiblePosition(const BoundMessage& message, const Fr
 }
 
 void MeasurementDecoder::store(BoundMessage& message, const Frame& frame, const Values& values) noexcept {
-  ++message.statistics.used;
   if (message.used && frame.monotonic_ns - message.used_monotonic_ns > message.timeout_ns) {
     ++message.statistics.late;
   }

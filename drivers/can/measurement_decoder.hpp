@@ -26,7 +26,6 @@ namespace patella::can {
 /// Plain numbers since construction, one set per bound message.
 struct MessageStatistics {
   std::uint64_t received = 0;
-  std::uint64_t used = 0;
   std::uint64_t corrupt = 0;       ///< CRC, or too short
   std::uint64_t repeated = 0;      ///< by the counter
   std::uint64_t reordered = 0;     ///< counter further on than time allows: old, or not the sender's

@@ -10,7 +10,8 @@
 
 namespace patella::files {
 
-/// Kind of a file, and the most bytes that it may have.
+/// Kind of a file, and the most bytes that it may have. Recordings are read line by line, by LineReader, and
+/// have no ceiling.
 struct FileKind {
   const char* what;
   std::uint64_t most_bytes;
@@ -29,8 +30,6 @@ inline constexpr FileKind kWeightsFile{"weights", 64'000'000};
 inline constexpr FileKind kCheckpoint{"a checkpoint", 256'000'000};
 /// Summaries and results that Patella itself wrote.
 inline constexpr FileKind kResultFile{"a file of results", 64'000'000};
-/// Recordings that a tool takes apart as one text. What is read line by line, by LineReader, has no ceiling.
-inline constexpr FileKind kRecordingText{"a recording", 4'000'000'000};
 
 /// A regular file, opened for reading. Failures are std::runtime_error with path, what is there and what was
 /// expected.

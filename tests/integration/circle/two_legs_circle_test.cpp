@@ -8,6 +8,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/checkout/checkout.hpp"
 
@@ -33,7 +34,7 @@ void run(const std::filesystem::path& out, std::vector<std::string> more) {
 }
 
 json numbersOf(const std::filesystem::path& file) {
-  return json::parse(app::readFile(file, files::kRecordingText));
+  return json::parse(app::readFile(file, test::kRecordingText));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/integration/diagnose/diagnose_process.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/checkout/checkout.hpp"
 
@@ -26,7 +27,7 @@ class Bench {
 
   /// Replaces the first place where `from` stands in a file.
   void replace(const std::string& name, const std::string& from, const std::string& to) const {
-    std::string text = app::readFile(folder_ / name, files::kRecordingText);
+    std::string text = app::readFile(folder_ / name, test::kRecordingText);
     const auto at = text.find(from);
     REQUIRE(at != std::string::npos);
     write(name, text.replace(at, from.size(), to));
@@ -139,7 +140,7 @@ TEST_CASE("a log of frames with the wrong description") {
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc},
                       {"run.log: the bus map does not suit a model of one joint", "position_rad.2"});
   bench.write("model.toml", app::readFile(checkout::source() / "firmware_app/config/models/adult.toml",
-                                          files::kRecordingText));
+                                          test::kRecordingText));
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc}, {"run.log: no complete measurement"});
   bench.write("run.log", "(1700000000.000000) can0 nonsense\n");
   bench.expectRefused({"--data", bench.file("run.log"), "--dbc", dbc}, {"run.log:1:"});

@@ -5,6 +5,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/model_file.hpp"
 #include "tests/integration/diagnose/diagnose_process.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/checkout/checkout.hpp"
 
@@ -28,7 +29,7 @@ TEST_CASE("a knee that rubs: page, numbers and a model that loads; the same agai
   CHECK(listing(folder / "out/a") ==
         std::set<std::string>{"diagnosis.json", "model.extended.toml", "report.html"});
 
-  const json numbers = json::parse(app::readFile(folder / "out/a/diagnosis.json", files::kRecordingText));
+  const json numbers = json::parse(app::readFile(folder / "out/a/diagnosis.json", test::kRecordingText));
   CHECK(numbers["verdict"] == "effect_found");
   REQUIRE(numbers["effects"].size() == 1);
   CHECK(numbers["effects"][0]["kind"] == "coulomb_friction");
@@ -40,15 +41,14 @@ TEST_CASE("a knee that rubs: page, numbers and a model that loads; the same agai
   const model::ModelDescription extended = app::loadModel(folder / "out/a/model.extended.toml");
   REQUIRE(extended.effects.size() == 1);
   CHECK(extended.effects[0].kind == "coulomb_friction");
-  CHECK(
-      app::readFile(folder / "out/a/model.extended.toml", files::kRecordingText).find("run.csv (SHA-256 ") !=
-      std::string::npos);
+  CHECK(app::readFile(folder / "out/a/model.extended.toml", test::kRecordingText).find("run.csv (SHA-256 ") !=
+        std::string::npos);
 
   REQUIRE(run("out/b").exit_status == 0);
   for (const char* file : {"diagnosis.json", "model.extended.toml", "report.html"}) {
     CAPTURE(file);
-    const bool identical = app::readFile(folder / "out/a" / file, files::kRecordingText) ==
-                           app::readFile(folder / "out/b" / file, files::kRecordingText);
+    const bool identical = app::readFile(folder / "out/a" / file, test::kRecordingText) ==
+                           app::readFile(folder / "out/b" / file, test::kRecordingText);
     CHECK(identical);
   }
 }
@@ -72,8 +72,8 @@ TEST_CASE("a run of the loop, from its folder and from its log") {
     const Outcome outcome = diagnose(arguments);
     INFO(outcome.errors);
     REQUIRE(outcome.exit_status == 0);
-    return json::parse(app::readFile(folder / out / "diagnosis.json",
-                                     files::kRecordingText))["error"]["before"]["train_rms"];
+    return json::parse(
+        app::readFile(folder / out / "diagnosis.json", test::kRecordingText))["error"]["before"]["train_rms"];
   };
   const json from_table = errors({(folder / "run").string()}, "table");
   const json from_log = errors(

@@ -186,7 +186,7 @@ DriveRun runDrives(const app::RunConfig& config, const std::function<void(Watche
   run.rig = rig->statistics();
   for (std::size_t message = 0; message < decoder.messageCount(); ++message) {
     const can::MessageStatistics& s = decoder.statistics(message);
-    run.unused_frames += s.received - s.used + s.late;
+    run.unused_frames += s.corrupt + s.repeated + s.reordered + s.out_of_range + s.late;
   }
   for (std::size_t joint = 0; joint < rig->fieldDrives().size(); ++joint) {
     run.commands.push_back(rig->fieldDrives()[joint].commands());

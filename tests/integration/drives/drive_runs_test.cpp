@@ -10,6 +10,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tests/integration/drives/drive_rig.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/sanitized.hpp"
 
 using namespace patella;
@@ -69,11 +70,11 @@ TEST_CASE("a log of two drives is played back frame by frame, entering and leavi
     config.duration_s = 0.0;
     REQUIRE(app::runLoop(config, folder.path() / "again", never) == app::RunStatus::kOk);
     const auto summary =
-        nlohmann::json::parse(app::readFile(folder.path() / "again/summary.json", files::kRecordingText));
+        nlohmann::json::parse(app::readFile(folder.path() / "again/summary.json", test::kRecordingText));
     CHECK(summary["replay"]["different_commands"] == 0);
     CHECK(summary["replay"]["frames"] == summary["replay"]["frames_played"]);
     CHECK(summary["ticks"] == 1500);
-    const std::string ticks = app::readFile(folder.path() / "run/ticks.csv", files::kRecordingText);
+    const std::string ticks = app::readFile(folder.path() / "run/ticks.csv", test::kRecordingText);
     CHECK(ticks.find("drive_temperature1_degC,drive_temperature2_degC,drive_error1,drive_error2") !=
           std::string::npos);
     CHECK(ticks.find(drives == Drives::kMit      ? ",25,25,0,0,"

@@ -13,6 +13,7 @@
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tests/integration/drives/drive_rig.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/sanitized.hpp"
 
 using namespace patella;
@@ -168,16 +169,16 @@ TEST_CASE(
   config.faults = {{.kind = sim::FaultKind::kBusOff, .time_s = kAt_s, .bus = kKnee}};
   config.rig.faults = config.faults;
   REQUIRE(app::runLoop(config, folder.path() / "run", never) == app::RunStatus::kStopped);
-  const std::string events = app::readFile(folder.path() / "run/events.log", files::kRecordingText);
+  const std::string events = app::readFile(folder.path() / "run/events.log", test::kRecordingText);
   CHECK(events.find("raised=bus_off bus=knee\n") != std::string::npos);
   CHECK(events.find("bus=hip") == std::string::npos);
   const auto summary =
-      nlohmann::json::parse(app::readFile(folder.path() / "run/summary.json", files::kRecordingText));
+      nlohmann::json::parse(app::readFile(folder.path() / "run/summary.json", test::kRecordingText));
   CHECK(summary["buses"]["hip"]["interface"] == "can0");
   CHECK(summary["buses"]["hip"]["bus_off"] == 0);
   CHECK(summary["buses"]["knee"]["bus_off"] == 1);
   CHECK(summary["buses"]["knee"]["send_failed"] > 0);
-  const std::string log = app::readFile(folder.path() / "run/frames.log", files::kRecordingText);
+  const std::string log = app::readFile(folder.path() / "run/frames.log", test::kRecordingText);
   CHECK(log.find(" can0 201#") != std::string::npos);
   CHECK(log.find(" can1 202#") != std::string::npos);
   CHECK(log.find(" can0 202#") == std::string::npos);
@@ -189,7 +190,7 @@ TEST_CASE(
   config.duration_s = 0.0;
   REQUIRE(app::runLoop(config, folder.path() / "again", never) == app::RunStatus::kOk);
   const auto again =
-      nlohmann::json::parse(app::readFile(folder.path() / "again/summary.json", files::kRecordingText));
+      nlohmann::json::parse(app::readFile(folder.path() / "again/summary.json", test::kRecordingText));
   CHECK(again["ticks"] == summary["ticks"]);
   for (const char* fault : {"bus_off", "encoder_stale", "emg_stale"}) {
     CHECK(again["safety"]["faults"][fault] == summary["safety"]["faults"][fault]);

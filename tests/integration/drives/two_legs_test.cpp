@@ -14,6 +14,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/realtime/allocation_counter.hpp"
 #include "tests/integration/drives/drive_rig.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tools/checkout/checkout.hpp"
 
@@ -108,7 +109,7 @@ TEST_CASE("two legs: recorded joint by joint with what the rig knows of them, an
   app::RunConfig config = twoLegs(2.0);
   REQUIRE(app::runLoop(config, folder.path() / "run", never) == app::RunStatus::kOk);
   const auto summary =
-      nlohmann::json::parse(app::readFile(folder.path() / "run/summary.json", files::kRecordingText));
+      nlohmann::json::parse(app::readFile(folder.path() / "run/summary.json", test::kRecordingText));
   CHECK(summary["tracking_rms_rad"].size() == kJoints);
   const app::CsvTable ticks = app::CsvTable::load(folder.path() / "run/ticks.csv", {.allow_missing = true});
   for (std::size_t joint = 1; joint <= kJoints; ++joint) {
@@ -122,7 +123,7 @@ TEST_CASE("two legs: recorded joint by joint with what the rig knows of them, an
   config.duration_s = 0.0;
   REQUIRE(app::runLoop(config, folder.path() / "again", never) == app::RunStatus::kOk);
   const auto again =
-      nlohmann::json::parse(app::readFile(folder.path() / "again/summary.json", files::kRecordingText));
+      nlohmann::json::parse(app::readFile(folder.path() / "again/summary.json", test::kRecordingText));
   CHECK(again["ticks"] == summary["ticks"]);
   CHECK(again["replay"]["frames"] == again["replay"]["frames_played"]);
 }

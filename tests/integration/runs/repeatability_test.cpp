@@ -10,6 +10,7 @@
 #include "firmware_app/files/csv_table.hpp"
 #include "firmware_app/recorder/summary_text.hpp"
 #include "tests/integration/runs/demonstration.hpp"
+#include "tests/support/recording_text.hpp"
 
 using namespace patella;
 
@@ -18,12 +19,12 @@ namespace {
 const std::atomic<bool> kNeverStop{false};
 
 nlohmann::json summaryOf(const std::filesystem::path& folder) {
-  return nlohmann::json::parse(app::readFile(folder / "summary.json", files::kRecordingText));
+  return nlohmann::json::parse(app::readFile(folder / "summary.json", test::kRecordingText));
 }
 
 // Without the page faults of the loop's thread: a sanitizer has memory of its own, which faults now and then.
 std::string comparable(const std::filesystem::path& file) {
-  std::string text = app::readFile(file, files::kRecordingText);
+  std::string text = app::readFile(file, test::kRecordingText);
   if (file.filename() == "summary.json") {
     auto summary = nlohmann::json::parse(text);
     summary["loop_thread"].erase("minor_page_faults");
@@ -54,8 +55,8 @@ TEST_CASE("another seed is another run") {
   CHECK(app::runLoop(config, folder.path() / "a", kNeverStop) == app::RunStatus::kOk);
   config.rig.seed += 1;
   CHECK(app::runLoop(config, folder.path() / "b", kNeverStop) == app::RunStatus::kOk);
-  CHECK(app::readFile(folder.path() / "a" / "frames.log", files::kRecordingText) !=
-        app::readFile(folder.path() / "b" / "frames.log", files::kRecordingText));
+  CHECK(app::readFile(folder.path() / "a" / "frames.log", test::kRecordingText) !=
+        app::readFile(folder.path() / "b" / "frames.log", test::kRecordingText));
 }
 
 TEST_CASE("a log played back gives the same estimates and commands to the last bit") {
@@ -126,8 +127,8 @@ TEST_CASE("a run does not overwrite a recording") {
   const test::ScratchFolder folder;
   const app::RunConfig config = test::demonstration(0.1);
   CHECK(app::runLoop(config, folder.path() / "run", kNeverStop) == app::RunStatus::kOk);
-  const std::string before = app::readFile(folder.path() / "run" / "ticks.csv", files::kRecordingText);
+  const std::string before = app::readFile(folder.path() / "run" / "ticks.csv", test::kRecordingText);
   CHECK_THROWS_WITH_AS(app::runLoop(config, folder.path() / "run", kNeverStop),
                        doctest::Contains("frames.log"), std::runtime_error);
-  CHECK(app::readFile(folder.path() / "run" / "ticks.csv", files::kRecordingText) == before);
+  CHECK(app::readFile(folder.path() / "run" / "ticks.csv", test::kRecordingText) == before);
 }

@@ -45,7 +45,7 @@ TEST_CASE("a frame that is corrupt, repeated or out of range changes no input") 
   f.decoder.accept(late);
   f.decoder.accept(late);
   CHECK(f.statistics("Emg").repeated == 1);
-  CHECK(f.statistics("Emg").used == 2);
+  CHECK(f.statistics("Emg").received == 3);
 
   Frame echo = f.rig.make("Encoder1", kMillisecond, {{"Position", 0.7}});
   echo.own = true;

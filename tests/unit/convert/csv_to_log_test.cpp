@@ -6,6 +6,7 @@
 
 #include "drivers/can/message_codec.hpp"
 #include "firmware_app/files/atomic_file.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
 
@@ -59,7 +60,7 @@ TEST_CASE("columns become protected frames that decode to the physical values") 
   CHECK(report.instants == 3);
   CHECK(report.frames == 6);
 
-  const std::string text = app::readFile(conversion.folder / "run.log", files::kRecordingText);
+  const std::string text = app::readFile(conversion.folder / "run.log", test::kRecordingText);
   CHECK(text.starts_with("(1700000000.000000) can1 111#"));
   CHECK(text.find("\n(1700000000.003000) can1 111#") != std::string::npos);
 

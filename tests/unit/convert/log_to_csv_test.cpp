@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "firmware_app/files/csv_table.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/convert/rig.hpp"
 #include "tools/convert/csv_to_log.hpp"
@@ -75,7 +76,7 @@ TEST_CASE("corrupt and unknown frames are left out and counted") {
   const ScratchFolder folder;
   const can::Database bus = test::rigBus();
   writeLog(folder, bus);
-  std::string text = app::readFile(folder / "run.log", files::kRecordingText);
+  std::string text = app::readFile(folder / "run.log", test::kRecordingText);
   const std::size_t data = text.rfind("110#") + 4;
   text[data] = text[data] == '0' ? '1' : '0';
   text += "(1700000000.002500) can0 7AB#0102\n";
@@ -95,7 +96,7 @@ TEST_CASE("logs that cannot be decoded leave no table") {
   CHECK(messageOf<app::FileError>([&] { convertToCsv(log, bus, "Encoder2", out); }) ==
         log + ": no frame of message 'Encoder2', expected at least one");
   CHECK_THROWS_AS(convertToCsv(log, bus, "Encoder9", out), std::invalid_argument);
-  app::writeFile(log, app::readFile(log, files::kRecordingText) + "(17000000 can0 110#00\n");
+  app::writeFile(log, app::readFile(log, test::kRecordingText) + "(17000000 can0 110#00\n");
   CHECK(messageOf<can::LogError>([&] { convertToCsv(log, bus, "", out); }).starts_with(log + ":7: "));
   CHECK_FALSE(std::filesystem::exists(out));
 }

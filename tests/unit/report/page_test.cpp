@@ -7,6 +7,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "tests/support/count_of.hpp"
+#include "tests/support/recording_text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/report/gnuplot.hpp"
 #include "tools/report/html.hpp"
@@ -115,7 +116,7 @@ TEST_CASE("a table escapes what is in it") {
 TEST_CASE("a picture is a PNG, and appears whole or not at all") {
   const test::ScratchFolder folder;
   drawPng(someFigures(), "Run 7", folder / "run.png");
-  CHECK(app::readFile(folder / "run.png", files::kRecordingText).starts_with("\x89PNG"));
+  CHECK(app::readFile(folder / "run.png", test::kRecordingText).starts_with("\x89PNG"));
   CHECK_THROWS_AS(drawPng(someFigures(), "Run 7", folder / "absent/run.png"), app::FileError);
   CHECK(folder.entries() == 1);
 }
