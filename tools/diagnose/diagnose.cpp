@@ -4,10 +4,13 @@
 #include <set>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/diagnose/fit/torque_timing.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/search/missing_effects.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/before_and_after.hpp"
@@ -18,6 +21,7 @@
 #include "tools/diagnose/verdict/plainer_effects.hpp"
 #include "tools/diagnose/verdict/power.hpp"
 #include "tools/diagnose/verdict/runaways.hpp"
+#include "tools/diagnose/verdict/shared_cause.hpp"
 #include "tools/diagnose/verdict/unexplained_rest.hpp"
 #include "tools/diagnose/verdict/verdict.hpp"
 
@@ -62,6 +66,16 @@ Diagnosis undecided(const AnalysedRecordings& recordings, const model::ModelDesc
   return diagnosis;
 }
 
+void warnOfSticking(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
+  for (const int joint : recordings.sticking) {
+    diagnosis.warnings.push_back(
+        fmt::format("joint {} sticks when it rests: the drive's torque there, which dry friction answers up "
+                    "to its level, is "
+                    "not counted; {:.0f} % of the recording",
+                    joint + 1, kPercent * recordings.share_left_out));
+  }
+}
+
 // From recordings that can be of this machine, and the time at which their torque acted.
 Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const Recording> holdout,
                         const model::ModelDescription& model, const DiagnoseOptions& options) {
@@ -80,7 +94,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
     return undecided(analysed, model, reason, options, std::move(diagnosis));
   }
 
-  analysed.predictTorque(model, options.fit());
+  analysed.predictTorque(model, options.person_Nm, options.fit());
+  warnOfSticking(analysed, diagnosis);
   const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
   const std::vector<double> noise_Nm =
       knownNoise_Nm(analysed.parts.train, bare.mechanism(), train.band_Hz(), options.person_Nm);
@@ -109,6 +124,10 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                  .unexplained = left.whole.residual},
                 diagnosis);
   settle(diagnosis);
+  if (diagnosis.verdict == Verdict::kUnknownEffect) {
+    const std::string cause = sharedCause(train, model, found.nominal);
+    diagnosis.explanation += (cause.empty() ? "" : " ") + cause;
+  }
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   return diagnosis;
 }

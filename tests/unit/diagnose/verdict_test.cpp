@@ -48,6 +48,7 @@ TEST_CASE("each doubt alone makes of either answer what is written here") {
       Row{Doubt::kJointAtRest, kFound, kPoor},
       Row{Doubt::kPlainEffectsUnseen, kFound, kPoor},
       Row{Doubt::kSomeRest, kFound, kUnknown},
+      Row{Doubt::kParametersMoved, kFound, kUnknown},
   };
   for (const Row& row : kRows) {
     CAPTURE(doubtName(row.kind));
@@ -92,14 +93,31 @@ TEST_CASE("effects that explain less than what nothing explains are not asserted
   CHECK(diagnosis.verdict == Verdict::kEffectFound);
 }
 
-TEST_CASE("an answer claims a held-out part only where there was one") {
+TEST_CASE("an answer has the error of the joint that keeps most of it, held out where there was a part") {
   Diagnosis diagnosis;
-  diagnosis.effects.emplace_back();
+  diagnosis.effects.resize(2);
+  diagnosis.effects[1].joint = 1;
+  diagnosis.refitted.train_rms_Nm = {2.0, 1.0};
+  diagnosis.after.train_rms_Nm = {0.25, 0.5};
   settle(diagnosis);
-  CHECK(diagnosis.explanation.find("held-out") == std::string::npos);
-  diagnosis.before.heldout_rms_Nm = {0.1};
+  CHECK(diagnosis.explanation ==
+        "What was found takes the error of joint 2 from 1 to 0.5 N·m; the recording is too short to hold a "
+        "part "
+        "out.");
+  diagnosis.before.heldout_rms_Nm = {3.0, 3.0};
+  diagnosis.refitted.heldout_rms_Nm = {2.5, 1.5};
+  diagnosis.after.heldout_rms_Nm = {2.25, 0.5};
   settle(diagnosis);
-  CHECK(diagnosis.explanation.find("held-out") != std::string::npos);
+  CHECK(diagnosis.explanation ==
+        "What was found takes the error of joint 1 from 2.5 to 2.25 N·m on the held-out part.");
+}
+
+TEST_CASE("parameters that took up what is missing are not nothing") {
+  Diagnosis diagnosis;
+  diagnosis.doubts = {doubt(Doubt::kParametersMoved)};
+  settle(diagnosis);
+  CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
+  CHECK(diagnosis.explanation == "parameters_moved");
 }
 
 TEST_CASE(

@@ -8,10 +8,29 @@
 
 namespace patella::diagnose {
 
+namespace {
+
+// What the drives have to give. A drive with a gain gives so much of what it is asked for: no prediction of
+// the torque, which knew of no gain, is to be scaled.
+Column neededTorque(const Dataset& data, const model::ModelDescription& model) {
+  model::ModelDescription without_gains = model;
+  std::erase_if(without_gains.effects,
+                [](const model::EffectDescription& effect) { return effect.kind == "torque_gain"; });
+  model::DynamicsModel dynamics = model::makeModel(without_gains);
+  Column torque = data.modelTorque(dynamics);
+  for (const model::EffectDescription& effect : model.effects) {
+    if (effect.kind == "torque_gain") {
+      torque.segment(effect.joint * data.rows(), data.rows()) /= 1.0 + effect.parameters.front();
+    }
+  }
+  return torque;
+}
+
+}  // namespace
+
 ResidualOf residualOf(const Dataset& data, const model::ModelDescription& model) {
-  model::DynamicsModel dynamics = model::makeModel(model);
   const Column torque = data.driveTorque();
-  ResidualOf result{.rms = {}, .relative = {}, .residual = torque - data.modelTorque(dynamics)};
+  ResidualOf result{.rms = {}, .relative = {}, .residual = torque - neededTorque(data, model)};
   for (int joint = 0; joint < data.joints(); ++joint) {
     result.rms.push_back(jointRms(data, result.residual, joint));
     result.relative.push_back(result.rms.back() / std::max(1e-12, jointRms(data, torque, joint)));

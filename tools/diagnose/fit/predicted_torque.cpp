@@ -1,6 +1,10 @@
 #include "tools/diagnose/fit/predicted_torque.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Dense>
+
+#include "core/model/effect.hpp"
 
 namespace patella::diagnose {
 
@@ -28,6 +32,26 @@ JointVector TorquePrediction::elementary_Nm(const model::EffectInput& state) con
     torque[share.effect.joint] += share.strength * share.effect.torque_Nm(state);
   }
   return torque;
+}
+
+double TorquePrediction::dryFriction_Nm(int joint) const {
+  double level_Nm = 0.0;
+  for (const Share& share : shares_) {
+    level_Nm += share.effect.joint == joint && share.effect.kind == "coulomb_friction" ? share.strength : 0.0;
+  }
+  for (const model::EffectDescription& effect : model_.effects) {
+    if (effect.joint != joint) {
+      continue;
+    }
+    const auto& parameters = model::findEffect(effect.kind)->parameters;
+    double largest_Nm = 0.0;  // of two directions
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+      largest_Nm =
+          parameters[i].name.starts_with("level") ? std::max(largest_Nm, effect.parameters[i]) : largest_Nm;
+    }
+    level_Nm += largest_Nm;
+  }
+  return level_Nm;
 }
 
 void TorquePrediction::predict(Dataset& data) const {

@@ -21,6 +21,9 @@ class TorquePrediction {
   /// Sets the prediction for these recordings, fitted or held out.
   void predict(Dataset& data) const;
 
+  /// Level of the dry friction that the joint has: as declared, within its tolerance, and found beside it.
+  double dryFriction_Nm(int joint) const;
+
  private:
   struct Share {
     ElementaryEffect effect;

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kShownEffects = 4;
 constexpr std::size_t kShownRunaways = 4;
+constexpr std::size_t kShownRefused = 3;
 constexpr std::chrono::seconds kSilence{10};
 
 std::string effectLine(const EffectFinding& effect, const Units& units) {
@@ -38,8 +39,8 @@ std::string effectLine(const EffectFinding& effect, const Units& units) {
   return line;
 }
 
-// A candidate that would have explained as much as the accepted one, or more than chance, but for its
-// sign: each kind once, where it would have explained most.
+// Candidates that would have explained as much as the accepted one, or more than chance, but for their sign:
+// each kind once, where it would have explained most, and those that would have explained most of all.
 std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
   std::map<std::string, std::pair<double, std::string>> refused;
   for (std::size_t number = 0; number < diagnosis.steps.size(); ++number) {
@@ -64,11 +65,19 @@ std::vector<std::string> refusedLines(const Diagnosis& diagnosis) {
       }
     }
   }
-  std::vector<std::string> lines;
+  std::vector<std::pair<double, std::string>> sorted;
   for (auto& [label, entry] : refused) {
     if (!entry.second.empty()) {
-      lines.push_back(std::move(entry.second));
+      sorted.push_back(std::move(entry));
     }
+  }
+  std::sort(sorted.rbegin(), sorted.rend());
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < std::min(sorted.size(), kShownRefused); ++i) {
+    lines.push_back(std::move(sorted[i].second));
+  }
+  if (sorted.size() > kShownRefused) {
+    lines.back() += fmt::format("; and {} more in the report", sorted.size() - kShownRefused);
   }
   return lines;
 }

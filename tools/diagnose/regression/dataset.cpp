@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
+#include "tools/diagnose/regression/resting.hpp"
 #include "tools/diagnose/regression/smoothed_series.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/signals/signals.hpp"
@@ -47,7 +51,7 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
       } else {
         continue;
       }
-      blocks_.push_back({.first = 0, .end = 0, .recording = r});
+      recording_.push_back(r);
       lowest_rate_Hz = std::min(lowest_rate_Hz, series_.back().rate_Hz);
     }
   }
@@ -61,20 +65,58 @@ Dataset::Dataset(std::span<const Recording> recordings, const DatasetOptions& op
     const double rate_Hz = series_.front().rate_Hz;
     rate_Hz_ = rate_Hz / static_cast<double>(decimation(rate_Hz));
   }
-  for (std::size_t s = 0; s < series_.size(); ++s) {
-    const Eigen::Index count = band(Samples(series_[s].states.size()), series_[s]).size();
-    blocks_[s].first = rows_;
-    rows_ += count;
-    blocks_[s].end = rows_;
+  for (const Series& series : series_) {
+    kept_.emplace_back(static_cast<std::size_t>(band(Samples(series.states.size()), series).size()));
+    std::iota(kept_.back().begin(), kept_.back().end(), 0);
   }
-  time_s_.resize(rows_);
+  countRows();
+}
+
+void Dataset::countRows() {
+  rows_ = 0;
+  blocks_.clear();
+  std::vector<double> times_s;
   for (std::size_t s = 0; s < series_.size(); ++s) {
     const std::size_t first = is_static_ ? 0 : firstOf(series_[s]);
-    for (Eigen::Index i = 0; i < blocks_[s].end - blocks_[s].first; ++i) {
-      time_s_[blocks_[s].first + i] =
-          series_[s].states[first + static_cast<std::size_t>(i) * decimation(series_[s].rate_Hz)].time_s;
+    for (std::size_t k = 0; k < kept_[s].size(); ++k, ++rows_) {
+      if (k == 0 || kept_[s][k] != kept_[s][k - 1] + 1) {
+        blocks_.push_back({.first = rows_, .end = rows_, .recording = recording_[s]});
+      }
+      ++blocks_.back().end;
+      times_s.push_back(
+          series_[s]
+              .states[first + static_cast<std::size_t>(kept_[s][k]) * decimation(series_[s].rate_Hz)]
+              .time_s);
     }
   }
+  time_s_ = Eigen::Map<const Eigen::VectorXd>(times_s.data(), rows_);
+}
+
+void Dataset::put(const Eigen::VectorXd& banded, std::size_t series, Eigen::Index first,
+                  Eigen::Ref<Eigen::VectorXd> column) const {
+  column.segment(first, static_cast<Eigen::Index>(kept_[series].size())) = banded(kept_[series]);
+}
+
+bool Dataset::leaveOutRest(std::span<const int> joints) {
+  if (is_static_ || joints.empty()) {
+    return false;
+  }
+  std::vector<std::vector<double>> weights;
+  std::vector<std::vector<Eigen::Index>> kept;
+  Eigen::Index count = 0;
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    weights.push_back(weightsInMotion(series_[s], joints));
+    kept.push_back(rowsInMotion(weights.back(), kept_[s], series_[s].rate_Hz,
+                                {.first = firstOf(series_[s]), .step = decimation(series_[s].rate_Hz)}));
+    count += static_cast<Eigen::Index>(kept.back().size());
+  }
+  if (static_cast<double>(count) < resting::kLeastLeft * static_cast<double>(rows_)) {
+    return false;
+  }
+  weights_ = std::move(weights);
+  kept_ = std::move(kept);
+  countRows();
+  return true;
 }
 
 std::size_t Dataset::edgeSamples(double rate_Hz) const noexcept {
@@ -114,7 +156,12 @@ Eigen::VectorXd Dataset::band(std::span<const double> signal, const Series& seri
   if (std::all_of(signal.begin(), signal.end(), [](double value) { return value == 0.0; })) {
     return result;
   }
-  const Samples filtered = offline::zeroPhaseLowPass(signal, band_Hz_, series.rate_Hz, kFilterOrder);
+  Samples weighed(signal.begin(), signal.end());
+  if (!weights_.empty()) {
+    const auto& weights = weights_[static_cast<std::size_t>(&series - series_.data())];
+    std::transform(weighed.begin(), weighed.end(), weights.begin(), weighed.begin(), std::multiplies<>());
+  }
+  const Samples filtered = offline::zeroPhaseLowPass(weighed, band_Hz_, series.rate_Hz, kFilterOrder);
   for (std::size_t i = 0; i < count; ++i) {
     result[static_cast<Eigen::Index>(i)] = filtered[first + i * step];
   }
@@ -124,6 +171,7 @@ Eigen::VectorXd Dataset::band(std::span<const double> signal, const Series& seri
 template <typename Start, typename Torque>
 Column Dataset::columnOf(Start start, Torque torque) const {
   Column result(rows_ * joints_);
+  Eigen::Index first = 0;
   for (std::size_t s = 0; s < series_.size(); ++s) {
     const Series& series = series_[s];
     std::array<Samples, kMaxJoints> raw;
@@ -138,9 +186,9 @@ Column Dataset::columnOf(Start start, Torque torque) const {
       }
     }
     for (int joint = 0; joint < joints_; ++joint) {
-      result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) =
-          band(raw[static_cast<std::size_t>(joint)], series);
+      put(band(raw[static_cast<std::size_t>(joint)], series), s, first, result.segment(joint * rows_, rows_));
     }
+    first += static_cast<Eigen::Index>(kept_[s].size());
   }
   return result;
 }
@@ -189,6 +237,7 @@ template <typename Input>
 Column Dataset::ownJointColumn(model::Effect& effect, Input input) const {
   const int joint = effect.joint();
   Column result = Column::Zero(rows_ * joints_);
+  Eigen::Index first = 0;
   for (std::size_t s = 0; s < series_.size(); ++s) {
     const Series& series = series_[s];
     Samples raw(series.states.size());
@@ -200,7 +249,8 @@ Column Dataset::ownJointColumn(model::Effect& effect, Input input) const {
       }
       raw[i] = -effect.torque(state)[joint];
     }
-    result.segment(joint * rows_ + blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series);
+    put(band(raw, series), s, first, result.segment(joint * rows_, rows_));
+    first += static_cast<Eigen::Index>(kept_[s].size());
   }
   return result;
 }
@@ -268,12 +318,14 @@ Dataset Dataset::changed(const std::function<void(Series&)>& change) const {
 
 Eigen::VectorXd Dataset::variable(const std::function<double(const Series&, std::size_t)>& value) const {
   Eigen::VectorXd result(rows_);
+  Eigen::Index first = 0;
   for (std::size_t s = 0; s < series_.size(); ++s) {
     Samples raw(series_[s].states.size());
     for (std::size_t i = 0; i < raw.size(); ++i) {
       raw[i] = value(series_[s], i);
     }
-    result.segment(blocks_[s].first, blocks_[s].end - blocks_[s].first) = band(raw, series_[s]);
+    put(band(raw, series_[s]), s, first, result);
+    first += static_cast<Eigen::Index>(kept_[s].size());
   }
   return result;
 }

@@ -47,7 +47,7 @@ struct Series {
   std::vector<JointVector> asked_torque_Nm;
 };
 
-/// Rows first … end−1 of every joint that follow each other in time.
+/// Rows first … end−1 of every joint that follow each other in time, of one series.
 struct Block {
   Eigen::Index first = 0;
   Eigen::Index end = 0;
@@ -94,6 +94,10 @@ class Dataset {
   Column askedEffectTorque(model::Effect& effect) const;
   /// Columns of the mechanism's regressor, as if it stood at q + offset where q is measured; as Columns.
   Eigen::MatrixXd regressor(const model::Mechanism& mechanism, const JointVector& offset_rad) const;
+  /// Leaves out the rows in which a chosen joint rests. What is compared comes up smoothly after a rest
+  /// before it goes through the band, so that no torque at rest is mixed into the motion. Nothing is left out
+  /// of postures, or where too little would remain (resting::kLeastLeft): false then.
+  bool leaveOutRest(std::span<const int> joints);
   /// The same rows with the states of every series changed: read in another way. Their number and rate stay.
   Dataset changed(const std::function<void(Series&)>& change) const;
   /// A variable of one joint's state through the band, as `rows()` values.
@@ -120,6 +124,11 @@ class Dataset {
   std::size_t firstOf(const Series& series) const noexcept;
   /// Recordings of different rates come to about the same: each series keeps one of so many of its samples.
   std::size_t decimation(double rate_Hz) const noexcept;
+  /// Puts the rows of a series that are kept into one joint's part of a Column, from its row `first` on.
+  void put(const Eigen::VectorXd& banded, std::size_t series, Eigen::Index first,
+           Eigen::Ref<Eigen::VectorXd> column) const;
+  /// Blocks, number and times of the rows that are kept.
+  void countRows();
 
   int joints_;
   bool is_static_;
@@ -128,6 +137,9 @@ class Dataset {
   Eigen::Index rows_ = 0;
   Eigen::VectorXd time_s_;
   std::vector<Series> series_;
+  std::vector<std::size_t> recording_;           ///< of each series
+  std::vector<std::vector<double>> weights_;     ///< of each series' states; empty: 1
+  std::vector<std::vector<Eigen::Index>> kept_;  ///< of each series, which of the band's rows
   std::vector<Block> blocks_;
 };
 

@@ -146,9 +146,9 @@ Weighting Weighting::rescaled(const Eigen::VectorXd& residual) const {
 }
 
 Weighting Weighting::jointByJoint() const {
-  const Eigen::MatrixXd root = inverse_root_.inverse();
   Weighting result = *this;
-  result.inverse_root_ = root.rowwise().norm().cwiseInverse().asDiagonal();
+  result.apart_ = true;
+  result.inverse_root_ = inverse_root_.inverse().rowwise().norm().cwiseInverse().asDiagonal();
   return result;
 }
 
@@ -165,6 +165,9 @@ Eigen::MatrixXd Weighting::covariance(const Eigen::VectorXd& residual) const {
   const Eigen::Map<const Eigen::MatrixXd> joints(weighted.data(), rows_, data_->joints());
   Eigen::MatrixXd result = joints.transpose() * joints / static_cast<double>(rows_);
   result.diagonal().array() += kSmallestVariance;
+  if (apart_) {
+    result = Eigen::MatrixXd(result.diagonal().asDiagonal());
+  }
   return result;
 }
 

@@ -39,7 +39,8 @@ class Weighting {
   Weighting(const Dataset& data, const Eigen::VectorXd& residual);
   /// The same filter, scaled to another residual.
   Weighting rescaled(const Eigen::VectorXd& residual) const;
-  /// The same filter and scale, with the joints' correlation left in.
+  /// The same filter and scale, with the joints' correlation left in; so are those that rescaled() makes of
+  /// it.
   Weighting jointByJoint() const;
   /// Largest correlation between two joints of what it was scaled to, without its sign.
   double correlation() const;
@@ -67,6 +68,7 @@ class Weighting {
   const Dataset* data_;
   Autoregression filter_;
   Eigen::Index rows_;
+  bool apart_ = false;  ///< the joints' correlation is left in
   /// U⁻¹ of the weighted covariance U Uᵀ, U an upper triangle: a joint's rows are made of those of the joints
   /// after it, which of the parameters of a chain's links know its last ones only.
   Eigen::MatrixXd inverse_root_;

@@ -40,6 +40,7 @@ struct Doubt {
     kJointAtRest,         ///< what is missing on a joint that does not move cannot be told
     kPlainEffectsUnseen,  ///< plain effects of three times the noise would not show
     kSomeRest,            ///< more is left than sensors and declared pushes make, which is not nothing
+    kParametersMoved,     ///< parameters of the model took up more than their tolerance allows
   };
   using enum Kind;
 

@@ -2,6 +2,7 @@
 
 #include "tools/diagnose/effects/considered.hpp"
 #include "tools/diagnose/fit/predicted_torque.hpp"
+#include "tools/diagnose/fit/sticking.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/regression/motion_band.hpp"
@@ -60,7 +61,15 @@ AnalysedRecordings::AnalysedRecordings(std::span<const Recording> recordings,
   }
 }
 
-void AnalysedRecordings::predictTorque(const model::ModelDescription& model, const FitOptions& options) {
+void AnalysedRecordings::predictTorque(const model::ModelDescription& model,
+                                       std::span<const double> person_Nm, const FitOptions& options) {
+  sticking = stickingJoints(train, model, person_Nm, options);
+  const auto rows = static_cast<double>(train.rows());
+  train.leaveOutRest(sticking);
+  share_left_out = 1.0 - static_cast<double>(train.rows()) / rows;
+  if (heldout) {
+    heldout->leaveOutRest(sticking);
+  }
   const TorquePrediction prediction(train, model, options);
   prediction.predict(train);
   askForMotionBetweenLines(train);

@@ -34,6 +34,7 @@ struct DiagnoseOptions {
     return {.replicates = bootstrap_replicates,
             .family_wise_p = family_wise_p,
             .seed = seed,
+            .pushed = !person_Nm.empty(),
             .gates = gates,
             .progress = {}};
   }

@@ -66,8 +66,10 @@ double lowestRate_Hz(std::span<const Recording> recordings) {
 
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
                                       const model::ModelDescription& explained, std::span<const int> joints,
-                                      const FitOptions& fit_options, const SelectionOptions& selection) {
-  const Dataset data(recordings, kFast);
+                                      std::span<const int> sticking, const FitOptions& fit_options,
+                                      const SelectionOptions& selection) {
+  Dataset data(recordings, kFast);
+  data.leaveOutRest(sticking);
   if (data.isStatic()) {
     return {};
   }

@@ -72,8 +72,8 @@ class Finder {
     search.atoms = recipeAtoms(*search.fitter, considered);
     options_.report("search", 0.0);
     SelectionOptions selection = options_.selection();
-    // Each joint has a friction of its own to be put right.
-    selection.most_effects += std::max(0, data.joints() - 2);
+    // Each joint has dry and viscous friction of its own, of which many a model has none.
+    selection.most_effects += 2 * std::max(0, data.joints() - 2);
     selection.heldout = recordings_.heldout && options_.gates.heldout ? &*recordings_.heldout : nullptr;
     selection.progress = [this](double fraction) { options_.report("search", fraction); };
     search.selection = select(*search.fitter, search.atoms, search.nominal, selection);
@@ -95,7 +95,7 @@ class Finder {
     });
     std::vector<LateDrive> late =
         findLateDrives(recordings_.parts.train, first.fitter->describe(first.selection.fit), joints,
-                       options_.fit(), options_.selection());
+                       recordings_.sticking, options_.fit(), options_.selection());
     std::erase_if(late, [&](const LateDrive& drive) { return !slowMotionAgrees(drive, first); });
     return late;
   }

@@ -44,7 +44,8 @@ class Selector {
   }
 
   Selection run() {
-    for (int step = 0; step < options_.most_effects && forward(); ++step) {
+    for (int step = 0; step < options_.most_effects && (forward(options_.family_wise_p) || forwardApart());
+         ++step) {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
     }
@@ -70,7 +71,26 @@ class Selector {
     }
   }
 
-  bool forward() {
+  // What two joints lack alike passes for noise that they share, beside which an effect on one of them
+  // explains nothing. So joints that leave much the same are looked at one by one, too, unless a person is
+  // known to push them.
+  bool forwardApart() {
+    const Weighting& together = *result_.fit.weighting;
+    if (options_.pushed || fitter_.data().joints() == 1 || together.correlation() <= accepted::kJointsAlike ||
+        !restIsMissed(fitter_, result_.fit)) {
+      return false;
+    }
+    Selection before = result_;
+    result_.fit = fitter_.fit(std::move(result_.fit), together.jointByJoint());
+    if (forward(unknown::kLevelOfSecondLook * options_.family_wise_p)) {
+      return true;
+    }
+    result_ = std::move(before);
+    return false;
+  }
+
+  // False where nothing is accepted by chance of `family_wise_p`, over all candidates together.
+  bool forward(double family_wise_p) {
     const ModelFit& current = result_.fit;
     if (!restIsMissed(fitter_, current)) {
       return false;
@@ -85,22 +105,22 @@ class Selector {
     std::vector<double> chance = screening.chance(statistic);
     std::sort(chance.begin(), chance.end());
     const auto place =
-        static_cast<std::size_t>((1.0 - options_.family_wise_p) * static_cast<double>(chance.size() - 1));
+        static_cast<std::size_t>((1.0 - family_wise_p) * static_cast<double>(chance.size() - 1));
     const double threshold = chance[place];
 
     Candidate* best = fitBest(fitter_, current, cost_, candidates);
-    double p_value = best != nullptr ? judge(*best, chance) : 1.0;
+    double p_value = best != nullptr ? judge(*best, chance, family_wise_p) : 1.0;
     if (best != nullptr && !best->refused_because.empty()) {
       Candidate* clearer =
           fitClearer(current, candidates, std::max(threshold, accepted::kClearer * best->margin));
       if (clearer != nullptr) {
         best = clearer;
-        p_value = judge(*best, chance);
+        p_value = judge(*best, chance, family_wise_p);
       }
     }
     SelectionStep step = describeStep(candidates, threshold, cost_);
     step.p_value = p_value;
-    step.chance = leastMargin(chance, options_.family_wise_p);
+    step.chance = leastMargin(chance, family_wise_p);
     const bool accepted = best != nullptr && best->refused_because.empty();
     if (accepted) {
       step.ranking[static_cast<std::size_t>(best - candidates.data())].accepted = true;
@@ -123,9 +143,9 @@ class Selector {
   }
 
   // Its p. A gate may refuse it.
-  double judge(Candidate& candidate, const std::vector<double>& chance) {
+  double judge(Candidate& candidate, const std::vector<double>& chance, double family_wise_p) {
     const double p_value = exceedance(chance, candidate.margin);
-    candidate.refused_because = gate(candidate, p_value);
+    candidate.refused_because = gate(candidate, p_value, family_wise_p);
     if (candidate.refused_because == kUnsteady || candidate.refused_because == kUnstable) {
       noteUnsteady(candidate, p_value);
     }
@@ -181,14 +201,14 @@ class Selector {
     return shareOf(larger) >= least_share && gainIsMissed(fitter_, result_.fit, larger);
   }
 
-  std::string gate(const Candidate& candidate, double p_value) const {
+  std::string gate(const Candidate& candidate, double p_value, double family_wise_p) const {
     const bool hump = candidate.atom->recipe->kind == "tremor" && candidate.gain < accepted::kClearLine;
     if (options_.gates.share &&
         !isMaterial(*candidate.fit, hump ? accepted::kLeastTremorShare : accepted::kLeastShare) &&
         priorRelief(result_.fit, *candidate.fit) < accepted::kMoved) {
       return "too little";
     }
-    if (options_.gates.chance && p_value >= options_.family_wise_p) {
+    if (options_.gates.chance && p_value >= family_wise_p) {
       return "chance";
     }
     if (!options_.gates.cross_validation && !options_.gates.stability) {

@@ -20,6 +20,7 @@ struct SelectionOptions {
   double family_wise_p = accepted::kFamilyWiseP;
   std::uint64_t seed = 1;
   int most_effects = 5;  ///< of two joints
+  bool pushed = false;   ///< a person pushes, and so at several joints alike
   Gates gates;
   std::function<void(double fraction)> progress;
   const Dataset* heldout = nullptr;  ///< judges between effects that could stand for each other; may be none

@@ -57,6 +57,7 @@ void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) 
          "What explained the first part of the recording makes the error of the held-out part larger; "
          "the model is left as it was."});
   } else {
+    std::erase_if(result.doubts, [](const Doubt& doubt) { return doubt.kind == Doubt::kParametersMoved; });
     result.warnings.emplace_back(
         "refitted nominal parameters make the held-out error larger; the model is left as it was");
   }
@@ -94,7 +95,7 @@ bool growsWithTorque(const ErrorMeasure& error, std::size_t joint, double fitted
 // An event of the held-out part alone has left no trace in the fitted one.
 void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
-    const double fitted = result.noise_floor_Nm[joint];
+    const double fitted = std::max(result.noise_floor_Nm[joint], result.after.train_rms_Nm[joint]);
     const double unseen = result.after.heldout_rms_Nm[joint];
     if (fitted > 0.0 && unseen > held_out::kOutOfProportion * fitted &&
         !growsWithTorque(result.before, joint, fitted, unseen)) {

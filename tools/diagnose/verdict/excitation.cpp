@@ -36,9 +36,29 @@ std::map<std::string, double> smallestOf(const Detector& detector, const Atoms& 
   return smallest;
 }
 
-std::size_t plainEffectsUnseen(const Detector& detector, const Dataset& data) {
+bool isDeclared(const ModelFit& fit, const ElementaryColumn& effect) {
+  return std::any_of(fit.terms.begin(), fit.terms.end(), [&](const Term& term) {
+    const auto& contains = term.recipe->contains;
+    return term.declared && term.recipe->joint == effect.joint &&
+           (term.recipe->kind == effect.kind ||
+            std::find(contains.begin(), contains.end(), effect.kind) != contains.end());
+  });
+}
+
+struct PlainEffects {
+  std::size_t looked_for = 0;
   std::size_t unseen = 0;
+};
+
+// Nothing has to show of what is allowed to be left where nothing is missing, nor of what the model has
+// already.
+PlainEffects plainEffects(const Detector& detector, const Dataset& data, const ModelFit& fit) {
+  const Column torque = data.driveTorque();
+  PlainEffects result;
   for (const ElementaryColumn& effect : elementaryColumns(data)) {
+    if (isDeclared(fit, effect)) {
+      continue;
+    }
     Eigen::MatrixXd columns = effect.torque;
     if (effect.kind == "linear_stiffness") {
       // Where the spring rests is free.
@@ -46,9 +66,14 @@ std::size_t plainEffectsUnseen(const Detector& detector, const Dataset& data) {
       columns.col(1).setZero();
       columns.col(1).segment(effect.joint * data.rows(), data.rows()).setOnes();
     }
-    unseen += detector.of(columns, effect.joint).in_noise > motion::kPlainStrength ? 1 : 0;
+    const double allowed = unknown::kRestOfNothing * jointRms(data, torque, effect.joint) /
+                           jointRms(data, fit.residual, effect.joint);
+    const bool shows =
+        detector.of(columns, effect.joint).in_noise <= std::max(motion::kPlainStrength, allowed);
+    ++result.looked_for;
+    result.unseen += shows ? 0 : 1;
   }
-  return unseen;
+  return result;
 }
 
 bool singleSinusoids(std::span<const JointSignals> signals) {
@@ -192,14 +217,13 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
                      "is not explained. Nothing was found.",
                      *joint + 1)});
   }
-  const std::size_t plain = 4 * signals.size();
-  if (const std::size_t unseen = plainEffectsUnseen(detector, data);
-      static_cast<double>(unseen) > motion::kMostPlainUnseen * static_cast<double>(plain)) {
+  const PlainEffects plain = plainEffects(detector, data, fit);
+  if (static_cast<double>(plain.unseen) > motion::kMostPlainUnseen * static_cast<double>(plain.looked_for)) {
     diagnosis.doubts.push_back(
         {Doubt::kPlainEffectsUnseen,
          fmt::format("Nothing was found, but of {} plain effects {} would not show if they were three "
-                     "times as large as the noise.",
-                     plain, unseen)});
+                     "times as large as the noise, or a twentieth of their joint's torque.",
+                     plain.looked_for, plain.unseen)});
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -64,7 +65,8 @@ void addConfounds(EffectFinding& finding, int joints) {
   }
 }
 
-// Parameters that the fit took out of what is known of them; empty where there is none.
+}  // namespace
+
 std::string beyondTolerance(const Diagnosis& diagnosis) {
   std::string moved;
   std::size_t count = 0;
@@ -79,8 +81,35 @@ std::string beyondTolerance(const Diagnosis& diagnosis) {
     return {};
   }
   return fmt::format(
-      " The fit took {}, more than {}: a payload, a rotor or a gain of the torque would look the same.",
-      moved, count == 1 ? "its tolerance" : "their tolerances");
+      "The fit took {}, more than {}: a payload, a rotor or a gain of the torque would look the same.", moved,
+      count == 1 ? "its tolerance" : "their tolerances");
+}
+
+namespace {
+
+// What the asserted effects take from the error of the joint that keeps most of it.
+std::string explainedWords(const Diagnosis& diagnosis) {
+  const bool heldout = !diagnosis.before.heldout_rms_Nm.empty();
+  const auto& refitted = heldout ? diagnosis.refitted.heldout_rms_Nm : diagnosis.refitted.train_rms_Nm;
+  const auto& after = heldout ? diagnosis.after.heldout_rms_Nm : diagnosis.after.train_rms_Nm;
+  std::size_t worst = refitted.size();
+  for (const EffectFinding& effect : diagnosis.effects) {
+    const auto joint = static_cast<std::size_t>(effect.joint);
+    if (effect.asserted() && joint < refitted.size() &&
+        (worst == refitted.size() || after[joint] * refitted[worst] > after[worst] * refitted[joint])) {
+      worst = joint;
+    }
+  }
+  if (worst == refitted.size()) {
+    return {};
+  }
+  return fmt::format("What was found takes the error of joint {} from {:.3g} to {:.3g} {}{}.", worst + 1,
+                     refitted[worst], after[worst], diagnosis.torque_unit,
+                     heldout ? " on the held-out part" : "; the recording is too short to hold a part out");
+}
+
+std::string withSentence(std::string text, const std::string& sentence) {
+  return sentence.empty() ? text : text.empty() ? sentence : std::move(text) + " " + sentence;
 }
 
 // The joint with the largest rest against its torque, of those where more is left than sensors make.
@@ -151,6 +180,8 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
       return "plain_effects_unseen";
     case Doubt::kSomeRest:
       return "some_rest";
+    case Doubt::kParametersMoved:
+      return "parameters_moved";
   }
   return "";
 }
@@ -215,13 +246,9 @@ void addConfoundsBetween(std::vector<EffectFinding>& findings) {
 std::string explanation(const Diagnosis& diagnosis) {
   switch (diagnosis.verdict) {
     case Verdict::kEffectFound:
-      return (diagnosis.before.heldout_rms_Nm.empty()
-                  ? "What was found explains the residual; the recording is too short to hold a part out."
-                  : "What was found explains the residual on the held-out part, too.") +
-             beyondTolerance(diagnosis);
+      return withSentence(explainedWords(diagnosis), beyondTolerance(diagnosis));
     case Verdict::kNothingMissing:
-      return "After the nominal parameters were refitted, " + whatIsLeft(diagnosis) +
-             beyondTolerance(diagnosis);
+      return "After the nominal parameters were refitted, " + whatIsLeft(diagnosis);
     case Verdict::kUnknownEffect:
       if (diagnosis.unexplained.empty()) {
         return "Something is missing that no effect of the library explains.";

@@ -28,6 +28,9 @@ EffectFinding findingOf(const ModelFit& fit, const Eigen::MatrixXd& covariance, 
 /// what two levels of friction differ by.
 void addConfoundsBetween(std::vector<EffectFinding>& findings);
 
+/// Parameters that the fit took out of what is known of them, in a sentence; empty where there is none.
+std::string beyondTolerance(const Diagnosis& diagnosis);
+
 /// The verdict in a sentence or two. Nominal parameters count as moved where they left their tolerance.
 std::string explanation(const Diagnosis& diagnosis);
 

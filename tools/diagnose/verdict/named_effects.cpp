@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/correlations.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/free_function.hpp"
 #include "tools/diagnose/search/late_drive.hpp"
+#include "tools/diagnose/search/missed.hpp"
 #include "tools/diagnose/search/outweighed.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/findings.hpp"
@@ -81,12 +83,11 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
 void warnOfEarlyColumns(Diagnosis& diagnosis) {
   for (const EffectFinding& effect : diagnosis.effects) {
     const bool late = effect.kind == "actuator_delay" || effect.kind == "actuator_lag";
-    if (late && effect.parameters.front().value >= convention::kLeastShift_s) {
-      diagnosis.warnings.push_back(
-          fmt::format("joint {}: a drive that acts {:.0f} ms late and a torque column that is as much too "
-                      "early look alike; "
-                      "check the times of the columns",
-                      effect.joint + 1, 1e3 * effect.parameters.front().value));
+    if (late && effect.asserted()) {
+      diagnosis.warnings.push_back(fmt::format(
+          "joint {}: a drive that acts {:.2g} ms late, and columns of position or velocity that come as "
+          "much later than that of torque, as through a filter, look alike; check the columns",
+          effect.joint + 1, 1e3 * effect.parameters.front().value));
     }
   }
 }
@@ -100,6 +101,27 @@ Eigen::VectorXd missingTorque(MissingEffects& found) {
     }
   }
   return residual;
+}
+
+// Whether anybody would look for an effect that is only possible: for what it explains beside the others, or
+// for what the model's parameters would take up in its place.
+bool mayMatter(const EffectFinding& effect, const Dataset& data, MissingEffects& found) {
+  const double least_Nm = leastUnnamed_Nm(*found.fitter)[static_cast<std::size_t>(effect.joint)];
+  if (effect.kind == "tremor") {
+    return meanSquareOf(effect) > least_Nm * least_Nm;
+  }
+  const std::vector<Term>& terms = found.selection.fit.terms;
+  const auto term = std::find_if(terms.begin(), terms.end(), [&](const Term& own) {
+    return !own.declared && own.recipe->kind == effect.kind && own.recipe->joint == effect.joint;
+  });
+  if (term == terms.end()) {
+    return true;
+  }
+  const Selection without =
+      withoutTerm(*found.fitter, found.selection, static_cast<std::size_t>(term - terms.begin()));
+  const double explained = std::pow(jointRms(data, without.fit.residual, effect.joint), 2) -
+                           std::pow(jointRms(data, found.selection.fit.residual, effect.joint), 2);
+  return explained > least_Nm * least_Nm || priorRelief(without.fit, found.selection.fit) >= accepted::kMoved;
 }
 
 }  // namespace
@@ -145,8 +167,9 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
       effect.not_asserted_because = kMayBeAnotherWords;
     }
   }
-  if (!std::all_of(diagnosis.effects.begin(), diagnosis.effects.end(), [](const EffectFinding& effect) {
-        return effect.asserted() || effect.not_asserted_because == kMayBeTimingWords;
+  if (std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
+        return !effect.asserted() && effect.not_asserted_because != kMayBeTimingWords &&
+               mayMatter(effect, data, found);
       })) {
     diagnosis.doubts.push_back({Doubt::kOutweighed,
                                 "What was found explains less than what nothing explains, or is of unknown "
@@ -154,6 +177,9 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
                                 "part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
+  if (std::string moved = beyondTolerance(diagnosis); !moved.empty()) {
+    diagnosis.doubts.push_back({Doubt::kParametersMoved, std::move(moved)});
+  }
   std::vector<std::string> names;
   for (const RefittedParameter& parameter : diagnosis.nominal) {
     names.push_back(parameter.name);

@@ -15,6 +15,9 @@ struct UnexplainedRest {
   std::vector<Dependence> dependences;  ///< beyond chance
 };
 
+/// Torque of each joint, rms, below which nobody looks for a name (unknown::kLeastOfLoad).
+std::vector<double> leastUnnamed_Nm(const ModelFitter& fitter);
+
 /// Tests what `found` leaves. Where it depends on some variable, and on none with a rival in the place of a
 /// found effect, the rival is the better answer and takes that place in `found`. `noise_Nm`: what sensors and
 /// declared pushes make of each joint.

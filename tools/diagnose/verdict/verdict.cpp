@@ -33,6 +33,7 @@ constexpr std::array kRules{
     Rule{Doubt::kJointAtRest, Against::kNothing, Verdict::kInsufficientExcitation},
     Rule{Doubt::kPlainEffectsUnseen, Against::kNothing, Verdict::kInsufficientExcitation},
     Rule{Doubt::kSomeRest, Against::kNothing, Verdict::kUnknownEffect},
+    Rule{Doubt::kParametersMoved, Against::kNothing, Verdict::kUnknownEffect},
 };
 
 static_assert(std::is_sorted(kRules.begin(), kRules.end(),

@@ -1,0 +1,153 @@
+// One cause on several joints: it is found though the joints leave much the same, or named where the library
+// has none.
+#include "tools/diagnose/verdict/shared_cause.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "tests/unit/diagnose/chain_recordings.hpp"
+#include "tests/unit/diagnose/swinging_arm.hpp"
+#include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/fit/model_error.hpp"
+
+namespace patella::diagnose {
+namespace {
+
+using model::ModelDescription;
+
+/// Four joints about axes in turn, the first of them upright.
+ModelDescription upright() {
+  model::SerialChainParameters chain;
+  for (int i = 0; i < 4; ++i) {
+    model::ChainLink link;
+    link.name = "link";
+    link.origin_m = {i == 0 ? 0.0 : 0.3, 0.0, 0.0};
+    link.turn_rad = {i == 0 ? 0.0 : (i % 2 == 0 ? 1.0 : -1.0) * kPi / 2.0, 0.0, 0.0};
+    link.mass_kg = 3.0 / (i + 1.0);
+    link.com_m = {0.15, 0.01, 0.02};
+    link.inertia_kg_m2 = {0.004, 0.03, 0.031, 0.0005, 0.0, 0.0};
+    chain.links.push_back(link);
+  }
+  return {.mechanism = chain, .effects = {}};
+}
+
+Diagnosis diagnosed(const Recording& recording, const ModelDescription& model) {
+  return diagnose(std::span(&recording, 1), {}, model, {});
+}
+
+bool says(const Diagnosis& diagnosis, const std::string& words) {
+  INFO(diagnosis.explanation);
+  return diagnosis.explanation.find(words) != std::string::npos;
+}
+
+std::string causeOf(const Recording& recording, const ModelDescription& model) {
+  const Dataset data(std::span(&recording, 1), {});
+  ModelFitter fitter(data, model, {});
+  return sharedCause(data, model, fitter.nominal());
+}
+
+TEST_CASE("a base that is tilted is named with its angle") {
+  ModelDescription truth = upright();
+  const double angle_rad = 8.0 * kPi / 180.0;
+  std::get<model::SerialChainParameters>(truth.mechanism).gravity_m_s2 = {9.81 * std::sin(angle_rad), 0.0,
+                                                                          -9.81 * std::cos(angle_rad)};
+  const Recording recording = moved(truth, 30.0, 0.02);
+  const std::string cause = causeOf(recording, upright());
+  const std::size_t number = cause.find_first_of("0123456789");
+  INFO(cause);
+  REQUIRE(number != std::string::npos);
+  CHECK(std::stod(cause.substr(number)) == doctest::Approx(8.0).epsilon(0.1));
+  const Diagnosis diagnosis = diagnosed(recording, upright());
+  CHECK(diagnosis.verdict == Verdict::kUnknownEffect);
+  CHECK(says(diagnosis, "off the upright"));
+  CHECK(causeOf(moved(upright(), 30.0, 0.02), upright()).empty());
+}
+
+TEST_CASE("torques that are all in another scale are told, and not that nothing is missing") {
+  Recording recording = swinging(Arm{});
+  for (auto& torque_Nm : recording.torque_Nm) {
+    for (double& value : torque_Nm) {
+      value *= 0.5;
+    }
+  }
+  const Diagnosis diagnosis = diagnosed(recording, arm());
+  CHECK(diagnosis.verdict != Verdict::kNothingMissing);
+  CHECK(causeOf(recording, arm()).find("All torques are 0.5") != std::string::npos);
+  CHECK(causeOf(swinging(Arm{}), arm()).empty());
+}
+
+TEST_CASE("torques that come late alike are told with the time") {
+  Recording recording = moved(upright(), 30.0, 0.005);
+  for (int joint = 0; joint < 4; ++joint) {
+    auto& torque_Nm = recording.torque_Nm[static_cast<std::size_t>(joint)];
+    torque_Nm.insert(torque_Nm.begin(), 2, torque_Nm.front());
+    torque_Nm.resize(recording.rows());
+  }
+  const std::string cause = causeOf(recording, upright());
+  INFO(cause);
+  CHECK(cause.find("Torque columns that come 10 ms late") != std::string::npos);
+}
+
+TEST_CASE("a band between two joints is told with both") {
+  Recording recording = moved(upright(), 30.0, 0.02);
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    const double band_Nm = 6.0 * (recording.position_rad[1][i] - recording.position_rad[3][i]);
+    recording.torque_Nm[1][i] += band_Nm;
+    recording.torque_Nm[3][i] -= band_Nm;
+  }
+  CHECK(causeOf(recording, upright()).find("q2 and q4") != std::string::npos);
+}
+
+TEST_CASE("friction of joints that move alike is found on both") {
+  Recording recording = swinging(Arm{});
+  const model::DynamicsModel dynamics = model::makeModel(arm());
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    model::EffectInput state{
+        .q = JointVector::Zero(2), .dq = JointVector::Zero(2), .torque_Nm = JointVector::Zero(2)};
+    JointVector ddq = JointVector::Zero(2);
+    for (const auto& [size, frequency_Hz] : {std::pair{0.6, 0.31}, std::pair{0.25, 0.83}}) {
+      const double w = 2.0 * kPi * frequency_Hz;
+      state.q.array() += size * std::sin(w * recording.time_s[i]);
+      state.dq.array() += size * w * std::cos(w * recording.time_s[i]);
+      ddq.array() -= size * w * w * std::sin(w * recording.time_s[i]);
+    }
+    const JointVector torque_Nm = dynamics.inverseDynamics(state, ddq);
+    for (int joint = 0; joint < 2; ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      recording.position_rad[j][i] = state.q[joint];
+      recording.torque_Nm[j][i] = torque_Nm[joint] + 0.3 * std::tanh(state.dq[joint] / 0.005) + noise(random);
+    }
+  }
+  const Diagnosis diagnosis = diagnosed(recording, arm());
+  INFO(diagnosis.explanation);
+  REQUIRE(diagnosis.verdict == Verdict::kEffectFound);
+  for (int joint = 0; joint < 2; ++joint) {
+    const auto found =
+        std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
+          return effect.kind == "coulomb_friction" && effect.joint == joint && effect.asserted();
+        });
+    REQUIRE(found != diagnosis.effects.end());
+    CHECK(found->parameters[0].value == doctest::Approx(0.3).epsilon(0.05));
+  }
+}
+
+TEST_CASE("a gain's error is that of the gain, whatever was predicted without it") {
+  Recording recording = swinging(Arm{});
+  ModelDescription gained = arm();
+  gained.effects.push_back({.kind = "torque_gain", .joint = 1, .parameters = {0.2}});
+  for (double& value : recording.torque_Nm[1]) {
+    value /= 1.2;
+  }
+  const auto errorOf = [](const Recording& of, const ModelDescription& model) {
+    return residualOf(Dataset(std::span(&of, 1), {}), model).rms[1];
+  };
+  CHECK(errorOf(recording, gained) == doctest::Approx(errorOf(swinging(Arm{}), arm()) / 1.2));
+}
+
+}  // namespace
+}  // namespace patella::diagnose

@@ -1,0 +1,19 @@
+// One cause behind what the model lacks on several joints, which no effect of the library has.
+#pragma once
+
+#include <string>
+
+#include "core/model/model_description.hpp"
+#include "tools/diagnose/fit/model_fit.hpp"
+
+namespace patella::diagnose {
+
+/// A sentence on a cause that alone explains unknown::kGoesWith of what is left, or nothing. In this order:
+/// - torques that are all the same multiple of what `given` asks for, beyond runaway::kTolerance
+/// - a base that stands at another angle to gravity, of chains, beside what is known of the parameters
+/// - torques that come late by the same time, as through one filter
+/// - something that spans two joints: torque in proportion with the positions, or velocities, of both
+/// `fit`: of `given`, refitted, with nothing found.
+std::string sharedCause(const Dataset& data, const model::ModelDescription& given, const ModelFit& fit);
+
+}  // namespace patella::diagnose
