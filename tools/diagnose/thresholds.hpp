@@ -132,8 +132,8 @@ inline constexpr double kSingleLine = 0.97;
 inline constexpr double kSameFrequency = 0.05;
 /// Share of the effects looked for on a joint that do not show: above, the joint tells next to nothing.
 inline constexpr double kNearlyAll = 0.75;
-/// Multiple of the noise, if not unknown::kRestOfNothing of a joint's torque, from which on every plain effect
-/// should show …
+/// Multiple of the noise, if not unknown::kRestOfNothing of a joint's torque, from which on every plain
+/// effect should show …
 inline constexpr double kPlainStrength = 3.0;
 /// … and share of the plain effects that may not, where nothing was found.
 inline constexpr double kMostPlainUnseen = 0.5;
@@ -144,19 +144,20 @@ inline constexpr double kNarrowed = 0.8;
 /// Does dry friction hold a joint at rest?
 // What the drive's torque is while friction holds is anything up to friction's level.
 namespace resting {
-/// Time for which a joint stays where it is, to be at rest: the turning points of a motion are shorter.
-inline constexpr double kShortest_s = 0.5;
+/// Time for which a joint stays where it is, to be at rest: the turning points of sinusoids from 0.1 Hz on
+/// are shorter, and a joint that friction holds where it turns round stays as long.
+inline constexpr double kShortest_s = 0.2;
 /// Share of its speed (rms) with which a joint may drift in that time, and rest: encoders' steps stay below.
 inline constexpr double kShareOfSpeed = 0.02;
 /// Time in which the rows of a motion come up after a rest: the band would spread what comes up at once.
 inline constexpr double kTaper_s = 0.1;
 /// What is left between two rests is used from this length on: noise of its own shows in no less.
 inline constexpr double kShortestRun_s = 0.4;
-/// Multiple of the dry friction that a joint shows in motion up to which friction may hold it at rest: the level
-/// at which machines break away is up to twice that of motion.
+/// Multiple of the dry friction that a joint shows in motion up to which friction may hold it at rest: the
+/// level at which machines break away is up to twice that of motion.
 inline constexpr double kTimesLevel = 2.0;
-/// The same that has to be left at rest: a torque anywhere between friction's levels is 0.58 of them (rms), and what
-/// a joint leaves that creeps to its place and rests there without friction is less.
+/// The same that has to be left at rest: a torque anywhere between friction's levels is 0.58 of them (rms),
+/// and what a joint leaves that creeps to its place and rests there without friction is less.
 inline constexpr double kLeastOfLevel = 0.3;
 /// Share of a joint's load (rms) that plain effects have to leave at rest.
 inline constexpr double kLeastOfLoad = 0.01;
@@ -354,8 +355,9 @@ inline constexpr double kMaterialRest = 0.2;
 /// missing" looks no further. A load that is grasped and released again and again leaves a tenth and no
 /// function that would be seen.
 inline constexpr double kRestOfNothing = 0.05;
-/// Share of a joint's load (rms) from which on what has no name, or is only possible, makes an answer unknown.
-/// Gravity differs by as much between places. What is named by its physics needs less (accepted::kLeastOfLoad).
+/// Share of a joint's load (rms) from which on what has no name, or is only possible, makes an answer
+/// unknown. Gravity differs by as much between places. What is named by its physics needs less
+/// (accepted::kLeastOfLoad).
 inline constexpr double kLeastOfLoad = 0.005;
 /// Share of the square of what is missing from which on one cause of several joints is said to be behind it.
 inline constexpr double kGoesWith = 0.9;
