@@ -55,8 +55,8 @@ std::string scaledTorque(const Dataset& data, const model::ModelDescription& giv
     }
   }
   return fmt::format(
-      "{} {:.3g} times what the model as given asks for: a torque constant, a gear's ratio or a unit may be "
-      "wrong.",
+      "{} {:.3g} times what the model as given asks for: a torque constant, a gear's ratio, a unit or the "
+      "masses may be wrong.",
       data.joints() == 1 ? "The torque is" : "All torques are", factor);
 }
 
