@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
@@ -23,17 +25,21 @@ constexpr int kFigureHeight = 300;
 constexpr int kFigureWidth = 760;
 constexpr int kWideWidth = 1540;
 
-/// Draws into `folder`, which takes the script, too.
+/// Draws into `folder`, which takes the script and what gnuplot says, too: it warns of a curve without
+/// points, which a joint at rest has.
 void run(const std::string& script, const files::TemporaryFolder& folder) {
   const std::string file = (folder / "script.gnuplot").string();
+  const std::filesystem::path log = folder / "gnuplot.log";
   app::writeFile(file, script);
-  const process::Ending ending = process::wait(process::start({"gnuplot", file}, {}));
+  const process::Ending ending = process::wait(process::start({"gnuplot", file}, {.output = log}));
   constexpr int kCommandNotFound = 127;
   if (ending.exit_status == kCommandNotFound) {
     throw std::runtime_error("gnuplot is not installed (Debian package gnuplot-nox)");
   }
   if (ending.exit_status != 0) {
-    throw std::runtime_error("gnuplot failed; its own message stands above");
+    std::ostringstream said;
+    said << std::ifstream(log).rdbuf();
+    throw std::runtime_error("gnuplot failed: " + said.str());
   }
 }
 

@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kShownEffects = 4;
 constexpr std::size_t kShownRunaways = 4;
 constexpr std::size_t kShownRefused = 3;
+constexpr std::size_t kShownWarnings = 3;
 constexpr std::chrono::seconds kSilence{10};
 
 std::string effectLine(const EffectFinding& effect, const Units& units) {
@@ -128,12 +129,11 @@ void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder
     out << "  to look at twice: " << diagnosis.runaways[i].words
         << (more > 0 ? fmt::format("; and {} more in the report", more) : "") << "\n";
   }
-  if (!diagnosis.warnings.empty()) {
-    out << "  warning: " << diagnosis.warnings.front();
-    if (diagnosis.warnings.size() > 1) {
-      out << "; and " << diagnosis.warnings.size() - 1 << " more in the report";
-    }
-    out << "\n";
+  const std::size_t warned = std::min(diagnosis.warnings.size(), kShownWarnings);
+  for (std::size_t i = 0; i < warned; ++i) {
+    const std::size_t more = i + 1 == warned ? diagnosis.warnings.size() - warned : 0;
+    out << "  warning: " << diagnosis.warnings[i]
+        << (more > 0 ? fmt::format("; and {} more in the report", more) : "") << "\n";
   }
   out << "  files in " << folder.string() << ": report.html, diagnosis.json, model.extended.toml\n";
 }
