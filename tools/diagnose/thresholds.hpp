@@ -144,15 +144,19 @@ inline constexpr double kNarrowed = 0.8;
 /// Does dry friction hold a joint at rest?
 // What the drive's torque is while friction holds is anything up to friction's level.
 namespace resting {
-/// Time for which a joint stays where it is, to be at rest: the turning points of sinusoids from 0.1 Hz on
-/// are shorter, and a joint that friction holds where it turns round stays as long.
+/// Time for which a joint stays where it is, to be at rest: one that friction holds where it turns round
+/// stays as long.
 inline constexpr double kShortest_s = 0.2;
-/// Share of its speed (rms) with which a joint may drift in that time, and rest: encoders' steps stay below.
-inline constexpr double kShareOfSpeed = 0.02;
+/// Share of its speed (rms) with which a joint may drift in that time, and rest. A sinusoid turns round
+/// faster from 0.03 Hz on.
+inline constexpr double kShareOfSpeed = 0.005;
 /// Time in which the rows of a motion come up after a rest: the band would spread what comes up at once.
 inline constexpr double kTaper_s = 0.1;
 /// What is left between two rests is used from this length on: noise of its own shows in no less.
 inline constexpr double kShortestRun_s = 0.4;
+/// Multiple of what plain effects leave in motion that they have to leave at rest: what they leave of a real
+/// machine's friction is no less where it turns round.
+inline constexpr double kTimesMotion = 2.0;
 /// Multiple of the dry friction that a joint shows in motion up to which friction may hold it at rest: the
 /// level at which machines break away is up to twice that of motion.
 inline constexpr double kTimesLevel = 2.0;

@@ -55,7 +55,8 @@ std::vector<int> stickingJoints(const Dataset& data, const model::ModelDescripti
         std::max(0.0, squareOf(data, left, joint) - squareOf(moving, left_in_motion, joint)) / rows_at_rest);
     const double pushes_Nm = person_Nm.empty() ? 0.0 : person_Nm[static_cast<std::size_t>(joint)];
     const double level_Nm = prediction.dryFriction_Nm(joint);
-    return at_rest_Nm < std::max(in_motion_Nm, std::sqrt(unknown::kPush) * pushes_Nm) ||
+    return at_rest_Nm <
+               std::max(resting::kTimesMotion * in_motion_Nm, std::sqrt(unknown::kPush) * pushes_Nm) ||
            at_rest_Nm < resting::kLeastOfLoad * jointRms(data, torque, joint) ||
            at_rest_Nm < resting::kLeastOfLevel * level_Nm || at_rest_Nm > resting::kTimesLevel * level_Nm;
   });

@@ -10,10 +10,11 @@
 
 namespace patella::diagnose {
 
-/// Joints, from 0, that rest at times, and leave more torque unexplained there than they do in motion, where
-/// the model within its tolerances and plain effects explain it; no more, though, than the dry friction that
-/// they show in motion can hold (thresholds: resting). What a person is declared to push with (`person_Nm`,
-/// of each joint or empty) needs no friction. Empty for postures, and where too little motion would remain.
+/// Joints, from 0, that rest at times, and leave far more torque unexplained there than they do in motion,
+/// where the model within its tolerances and plain effects explain it; no more, though, than the dry friction
+/// that they show in motion can hold (thresholds: resting). What a person is declared to push with
+/// (`person_Nm`, of each joint or empty) needs no friction. Empty for postures, and where too little motion
+/// would remain.
 std::vector<int> stickingJoints(const Dataset& data, const model::ModelDescription& model,
                                 std::span<const double> person_Nm, const FitOptions& options);
 
