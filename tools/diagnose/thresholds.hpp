@@ -144,12 +144,13 @@ inline constexpr double kNarrowed = 0.8;
 /// Does dry friction hold a joint at rest?
 // What the drive's torque is while friction holds is anything up to friction's level.
 namespace resting {
-/// Time for which a joint stays where it is, to be at rest: one that friction holds where it turns round
-/// stays as long.
-inline constexpr double kShortest_s = 0.2;
-/// Share of its speed (rms) with which a joint may drift in that time, and rest. A sinusoid turns round
-/// faster from 0.03 Hz on.
-inline constexpr double kShareOfSpeed = 0.005;
+/// Time for which a joint stays where it is, to be at rest: a pause of a motion is longer.
+inline constexpr double kPause_s = 0.5;
+/// Share of its speed (rms) with which a joint may drift in that time, and rest: encoders' steps stay below.
+inline constexpr double kPauseDrift = 0.02;
+/// The same of a joint that friction holds where it turns round. A sinusoid stays no longer from 0.03 Hz on.
+inline constexpr double kTurn_s = 0.2;
+inline constexpr double kTurnDrift = 0.005;
 /// Time in which the rows of a motion come up after a rest: the band would spread what comes up at once.
 inline constexpr double kTaper_s = 0.1;
 /// What is left between two rests is used from this length on: noise of its own shows in no less.

@@ -22,13 +22,10 @@ std::size_t samples(double duration_s, double rate_Hz) {
   return static_cast<std::size_t>(std::ceil(duration_s * rate_Hz));
 }
 
-}  // namespace
-
-std::vector<bool> restingStates(const Series& series, int joint) {
+// States of stretches of `least_s` or more that stay within a range.
+void addStays(const Series& series, int joint, double least_s, double within_rad, std::vector<bool>& rests) {
   const std::size_t count = series.states.size();
-  const std::size_t least = samples(resting::kShortest_s, series.rate_Hz);
-  const double within_rad = resting::kShareOfSpeed * speed_rad_s(series, joint) * resting::kShortest_s;
-  std::vector<bool> rests(count, false);
+  const std::size_t least = samples(least_s, series.rate_Hz);
   for (std::size_t first = 0; first + least < count;) {
     double low = series.states[first].q[joint], high = low;
     std::size_t end = first;
@@ -48,6 +45,15 @@ std::vector<bool> restingStates(const Series& series, int joint) {
       ++first;
     }
   }
+}
+
+}  // namespace
+
+std::vector<bool> restingStates(const Series& series, int joint) {
+  std::vector<bool> rests(series.states.size(), false);
+  const double speed = speed_rad_s(series, joint);
+  addStays(series, joint, resting::kPause_s, resting::kPauseDrift * speed * resting::kPause_s, rests);
+  addStays(series, joint, resting::kTurn_s, resting::kTurnDrift * speed * resting::kTurn_s, rests);
   return rests;
 }
 
