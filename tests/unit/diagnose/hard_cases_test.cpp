@@ -77,7 +77,7 @@ TEST_CASE("a drive that acts as late as drives do is an effect, with a warning t
   CHECK(late.parameters.front().ci95[0] < kDelay_s);
   CHECK(late.parameters.front().ci95[1] > kDelay_s);
   CHECK(std::any_of(diagnosis.warnings.begin(), diagnosis.warnings.end(), [](const std::string& text) {
-    return text.find("a torque column that is") != std::string::npos;
+    return text.find("columns of position or velocity that come") != std::string::npos;
   }));
 }
 
