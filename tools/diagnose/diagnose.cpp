@@ -70,8 +70,7 @@ void warnOfSticking(const AnalysedRecordings& recordings, Diagnosis& diagnosis) 
   for (const int joint : recordings.sticking) {
     diagnosis.warnings.push_back(
         fmt::format("joint {} sticks when it rests: the drive's torque there, which dry friction answers up "
-                    "to its level, is "
-                    "not counted; {:.0f} % of the recording",
+                    "to its level, is not counted; {:.0f} % of the recording",
                     joint + 1, kPercent * recordings.share_left_out));
   }
 }

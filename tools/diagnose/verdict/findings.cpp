@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/recipe.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -104,7 +105,7 @@ std::string explainedWords(const Diagnosis& diagnosis) {
     return {};
   }
   return fmt::format("What was found takes the error of joint {} from {:.3g} to {:.3g} {}{}.", worst + 1,
-                     refitted[worst], after[worst], diagnosis.torque_unit,
+                     refitted[worst], after[worst], unitsOf(diagnosis, static_cast<int>(worst)).torque,
                      heldout ? " on the held-out part" : "; the recording is too short to hold a part out");
 }
 
