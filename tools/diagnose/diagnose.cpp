@@ -66,12 +66,13 @@ Diagnosis undecided(const AnalysedRecordings& recordings, const model::ModelDesc
   return diagnosis;
 }
 
-void warnOfSticking(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
-  for (const int joint : recordings.sticking) {
-    diagnosis.warnings.push_back(
-        fmt::format("joint {} sticks when it rests: the drive's torque there, which dry friction answers up "
-                    "to its level, is not counted; {:.0f} % of the recording",
-                    joint + 1, kPercent * recordings.share_left_out));
+void warnOfRest(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
+  for (const RestingJoint& joint : recordings.resting) {
+    const char* const why = joint.pushed ? "rests under a person's push: the way it moves there is hers, and"
+                                         : "sticks when it rests: the drive's torque there, which dry "
+                                           "friction answers up to its level,";
+    diagnosis.warnings.push_back(fmt::format("joint {} {} is not counted; {:.0f} % of the recording",
+                                             joint.joint + 1, why, kPercent * recordings.share_left_out));
   }
 }
 
@@ -94,7 +95,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   }
 
   analysed.predictTorque(model, options.person_Nm, options.fit());
-  warnOfSticking(analysed, diagnosis);
+  warnOfRest(analysed, diagnosis);
   const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
   const std::vector<double> noise_Nm =
       knownNoise_Nm(analysed.parts.train, bare.mechanism(), train.band_Hz(), options.person_Nm);

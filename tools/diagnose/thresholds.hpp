@@ -151,6 +151,13 @@ inline constexpr double kPauseDrift = 0.02;
 /// The same of a joint that friction holds where it turns round. A sinusoid stays no longer from 0.03 Hz on.
 inline constexpr double kTurn_s = 0.2;
 inline constexpr double kTurnDrift = 0.005;
+/// The same of a joint that a person pushes, who moves it where it is held: by hundredths of a radian, to and
+/// fro. A sinusoid stays no longer from 0.11 Hz on.
+inline constexpr double kPushedPause_s = 1.0;
+inline constexpr double kPushedDrift = 0.125;
+/// Share of the time for which such a joint rests, where its motion has pauses. Motions without any stay so
+/// for a tenth of the time, where they turn round slowly.
+inline constexpr double kPushedLeast = 0.25;
 /// Time in which the rows of a motion come up after a rest: the band would spread what comes up at once.
 inline constexpr double kTaper_s = 0.1;
 /// What is left between two rests is used from this length on: noise of its own shows in no less.

@@ -110,6 +110,15 @@ TEST_CASE("two effects need two names") {
         Outcome::kPartly);
 }
 
+TEST_CASE("findings that may all be one effect instead name it together") {
+  const Truth truth = one("asymmetric_friction", 0);
+  const EffectFinding dry = found("coulomb_friction", 0, {"asymmetric_friction"});
+  const EffectFinding viscous = found("viscous_friction", 0, {"asymmetric_friction"});
+  CHECK(outcome(truth, saying(kFound, {dry, viscous})) == Outcome::kPair);
+  CHECK(outcome(truth, saying(kFound, {dry, found("viscous_friction", 0)})) == Outcome::kFalse);
+  CHECK(outcome(truth, saying(kFound, {found("asymmetric_friction", 0), viscous})) == Outcome::kPartly);
+}
+
 TEST_CASE("where nothing is missing, only silence is right") {
   Truth truth;
   CHECK(outcome(truth, saying(Verdict::kNothingMissing)) == Outcome::kRight);

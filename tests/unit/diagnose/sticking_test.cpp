@@ -69,7 +69,7 @@ double sticking(int rest) {
   return kLevel_Nm * std::sin(2.4 * rest + 0.3);
 }
 
-std::vector<int> stickingIn(const Recording& recording, const std::vector<double>& person_Nm = {}) {
+std::vector<RestingJoint> stickingIn(const Recording& recording, const std::vector<double>& person_Nm = {}) {
   return stickingJoints(Dataset(std::span(&recording, 1), {}), pendulum(), person_Nm, {});
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("a joint rests where it stays, and not where it turns round") {
   const Recording pauses = recorded(30.0, 0.0, [](int) { return 0.0; });
   const Dataset data(std::span(&pauses, 1), {});
   const Series& series = data.series().front();
-  const std::vector<bool> resting = restingStates(series, 0);
+  const std::vector<bool> resting = restingStates(series, {.joint = 0});
   std::size_t in_middle = 0, wrong = 0;
   for (std::size_t i = 0; i < resting.size(); ++i) {
     const double phase_s = std::fmod(series.states[i].time_s, kMove_s + kRest_s);
@@ -91,7 +91,7 @@ TEST_CASE("a joint rests where it stays, and not where it turns round") {
 
   const Recording swings = swinging(30.0, 0.0, [](const Motion&) { return 0.0; });
   const Dataset turning(std::span(&swings, 1), {});
-  const std::vector<bool> never = restingStates(turning.series().front(), 0);
+  const std::vector<bool> never = restingStates(turning.series().front(), {.joint = 0});
   CHECK(static_cast<double>(std::count(never.begin(), never.end(), true)) <
         0.01 * static_cast<double>(never.size()));
 }
@@ -100,7 +100,7 @@ TEST_CASE("rows at rest are left out with their times, and columns keep what mov
   const Recording recording = recorded(30.0, kLevel_Nm, sticking);
   const Dataset all(std::span(&recording, 1), {});
   Dataset moving = all;
-  REQUIRE(moving.leaveOutRest(std::array{0}));
+  REQUIRE(moving.leaveOutRest(std::array{RestingJoint{}}));
   CHECK(moving.rows() < 0.75 * static_cast<double>(all.rows()));
   CHECK(moving.rows() > 0.4 * static_cast<double>(all.rows()));
   CHECK(moving.time_s().size() == moving.rows());
@@ -113,7 +113,7 @@ TEST_CASE("rows at rest are left out with their times, and columns keep what mov
   // Both sides of the equation come up alike: a torque that is the model's leaves nothing.
   const Recording exact = recorded(30.0, 0.0, [](int) { return 0.0; });
   Dataset of_model(std::span(&exact, 1), {});
-  REQUIRE(of_model.leaveOutRest(std::array{0}));
+  REQUIRE(of_model.leaveOutRest(std::array{RestingJoint{}}));
   model::DynamicsModel dynamics = model::makeModel(pendulum());
   const Column left = of_model.driveTorque() - of_model.modelTorque(dynamics);
   CHECK(left.norm() < 0.02 * of_model.driveTorque().norm());
@@ -124,7 +124,7 @@ TEST_CASE("rows at rest are left out with their times, and columns keep what mov
 }
 
 TEST_CASE("a joint sticks where friction can answer for what is left at rest") {
-  CHECK(stickingIn(recorded(60.0, kLevel_Nm, sticking)) == std::vector{0});
+  CHECK(stickingIn(recorded(60.0, kLevel_Nm, sticking)) == std::vector{RestingJoint{}});
   INFO("no friction, and nothing but gravity at rest");
   CHECK(stickingIn(recorded(60.0, 0.0, [](int) { return 0.0; })).empty());
   INFO("more at rest than the friction of the motion can hold");

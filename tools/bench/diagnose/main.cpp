@@ -55,7 +55,8 @@ struct Options {
 constexpr const char* kRules = R"(Rules
   named right   the verdict is effect_found, and choosing one alternative of each finding (its own kind, or an entry
                 of indistinguishable_from) gives exactly the true effects on their joints; with at most two
-                alternatives each. Larger sets are counted apart.
+                alternatives each. Larger sets are counted apart. Findings that may all be one effect instead name
+                it together.
   false         a finding none of whose alternatives consists of true effects. Kinds count as they are called.
   unknown       right for an effect beyond the library; the variable is right where the strongest remaining
                 dependence names one that the true torque depends on.

@@ -41,15 +41,26 @@ std::optional<unsigned> trueParts(const EffectFinding& finding, const std::vecto
   return bits;
 }
 
-// Whether the findings from `index` on can be taken so that all true effects are named, each once.
-bool canNameAll(const Diagnosis& diagnosis, const Truth& truth, std::size_t index, unsigned named) {
+/// True effects as bits: by their own kinds, and as what a finding could be instead.
+struct Named {
+  unsigned own = 0;
+  unsigned instead = 0;
+};
+
+// Whether the findings from `index` on can be taken so that all true effects are named, each once. Findings
+// that may all be one effect instead, such as dry and viscous friction of a joint, name it together.
+bool canNameAll(const Diagnosis& diagnosis, const Truth& truth, std::size_t index, Named named) {
   if (index == diagnosis.effects.size()) {
-    return named + 1U == 1U << truth.effects.size();
+    return (named.own | named.instead) + 1U == 1U << truth.effects.size();
   }
   const EffectFinding& finding = diagnosis.effects[index];
-  for (const std::vector<Part>& alternative : alternatives(finding)) {
-    const std::optional<unsigned> bits = trueParts(finding, alternative, truth);
-    if (bits && (*bits & named) == 0 && canNameAll(diagnosis, truth, index + 1, named | *bits)) {
+  const auto all = alternatives(finding);
+  for (std::size_t a = 0; a < all.size(); ++a) {
+    const std::optional<unsigned> bits = trueParts(finding, all[a], truth);
+    Named with = named;
+    (a == 0 ? with.own : with.instead) |= bits.value_or(0);
+    const unsigned taken = a == 0 ? named.own | named.instead : named.own;
+    if (bits && (*bits & taken) == 0 && canNameAll(diagnosis, truth, index + 1, with)) {
       return true;
     }
   }
@@ -111,7 +122,7 @@ Outcome outcomeOf(const Truth& truth, const Diagnosis& diagnosis, const Score& s
   if (diagnosis.effects.empty()) {
     return truth.suite == Suite::kNone ? Outcome::kRight : Outcome::kNothing;
   }
-  if (!canNameAll(diagnosis, truth, 0, 0)) {
+  if (!canNameAll(diagnosis, truth, 0, {})) {
     return Outcome::kPartly;
   }
   return score.largest_set == 1   ? Outcome::kExact

@@ -63,11 +63,13 @@ Recipe encoderOffset(const Motion& motion) {
 }
 
 // Softer than any drive: what asks for it is a torque at one frequency, which a spring that is tuned to it
-// can give, too.
-std::string tooSoft(Numbers parameters) {
+// can give, too. The springs of series elastic drives give a third of a radian at their largest torque.
+std::string tooSoft(Numbers parameters, double torque_rms) {
+  constexpr double kMostGiven_rad = 0.5;
   const auto& catalogued = model::findEffect("transmission_elasticity")->parameters;
   for (std::size_t p = 0; p < catalogued.size(); ++p) {
-    if (catalogued[p].name == "stiffness_Nm_rad" && parameters[p] <= catalogued[p].minimum) {
+    if (catalogued[p].name == "stiffness_Nm_rad" &&
+        parameters[p] <= std::max(catalogued[p].minimum, torque_rms / kMostGiven_rad)) {
       return std::string(catalogued[p].name);
     }
   }
@@ -97,8 +99,8 @@ Recipe transmissionElasticity(const Motion& motion) {
         .set("damping_Nms_rad", 2.0 * kDampingRatio * std::exp(nu[2]) * nu[0] * rotor);
   };
   recipe.by_factors = true;
-  recipe.beyond = [parameters = recipe.parameters](Numbers c, Numbers nu) {
-    return tooSoft(parameters(c, nu));
+  recipe.beyond = [parameters = recipe.parameters, torque_rms = motion.torque_rms](Numbers c, Numbers nu) {
+    return tooSoft(parameters(c, nu), torque_rms);
   };
   return recipe;
 }

@@ -15,7 +15,13 @@ namespace patella::diagnose {
 /// that they show in motion can hold (thresholds: resting). What a person is declared to push with
 /// (`person_Nm`, of each joint or empty) needs no friction. Empty for postures, and where too little motion
 /// would remain.
-std::vector<int> stickingJoints(const Dataset& data, const model::ModelDescription& model,
-                                std::span<const double> person_Nm, const FitOptions& options);
+std::vector<RestingJoint> stickingJoints(const Dataset& data, const model::ModelDescription& model,
+                                         std::span<const double> person_Nm, const FitOptions& options);
+
+/// Those, and the joints that a person is declared to push whose motion has pauses, as long as enough motion
+/// remains: under her push a joint that is held goes to and fro, and which way it goes is her doing, not
+/// friction's.
+std::vector<RestingJoint> restingJoints(const Dataset& data, const model::ModelDescription& model,
+                                        std::span<const double> person_Nm, const FitOptions& options);
 
 }  // namespace patella::diagnose

@@ -24,6 +24,8 @@ constexpr const char* kInterval = report::colour::kBlue;
 constexpr std::size_t kShownCandidates = 12;
 /// Gains that differ more than this are drawn on a logarithmic axis.
 constexpr double kLinearSpan = 20.0;
+/// Multiple of the largest finite gain at which a bar without end is cut off.
+constexpr double kWholeAxis = 1.2;
 
 std::string remark(const CandidateScore& score) {
   const std::string gain =
@@ -48,7 +50,11 @@ Figure rankingFigure(const SelectionStep& step, std::size_t number) {
   double lowest_mark = 1e300;
   for (std::size_t row = 0; row < shown; ++row) {
     const CandidateScore& score = step.ranking[row];
-    highest = std::max({highest, score.gain, score.threshold});
+    highest = std::max(highest, score.threshold);
+    // A fit that leaves nothing gains without end.
+    if (std::isfinite(score.gain)) {
+      highest = std::max(highest, score.gain);
+    }
     if (score.threshold > 0.0) {
       lowest_mark = std::min(lowest_mark, score.threshold);
     }
@@ -57,7 +63,7 @@ Figure rankingFigure(const SelectionStep& step, std::size_t number) {
   const double start = figure.log_x ? std::min(1.0, 0.5 * lowest_mark) : 0.0;
   for (std::size_t row = 0; row < shown; ++row) {
     const CandidateScore& score = step.ranking[row];
-    const double gain = std::max(start, score.gain);
+    const double gain = std::clamp(score.gain, start, kWholeAxis * highest);
     figure.rows.push_back(effectWords(score.label));
     figure.bars.push_back({.row = row,
                            .from = start,

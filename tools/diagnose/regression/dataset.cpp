@@ -97,7 +97,7 @@ void Dataset::put(const Eigen::VectorXd& banded, std::size_t series, Eigen::Inde
   column.segment(first, static_cast<Eigen::Index>(kept_[series].size())) = banded(kept_[series]);
 }
 
-bool Dataset::leaveOutRest(std::span<const int> joints) {
+bool Dataset::leaveOutRest(std::span<const RestingJoint> joints) {
   if (is_static_ || joints.empty()) {
     return false;
   }

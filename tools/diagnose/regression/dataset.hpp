@@ -30,6 +30,14 @@ struct DatasetOptions {
 /// before anything is fitted.
 inline constexpr DatasetOptions kCoarse{.smoothing_Hz = 20.0, .evaluation_rate_Hz = 100.0, .band_Hz = 6.0};
 
+/// A joint whose rows at rest are left out.
+struct RestingJoint {
+  int joint = 0;
+  bool pushed = false;  ///< by a person, who moves it while it rests
+
+  bool operator==(const RestingJoint&) const = default;
+};
+
 /// One stretch without a gap, at the evaluation rate.
 struct Series {
   double rate_Hz = 0.0;
@@ -97,7 +105,7 @@ class Dataset {
   /// Leaves out the rows in which a chosen joint rests. What is compared comes up smoothly after a rest
   /// before it goes through the band, so that no torque at rest is mixed into the motion. Nothing is left out
   /// of postures, or where too little would remain (resting::kLeastLeft): false then.
-  bool leaveOutRest(std::span<const int> joints);
+  bool leaveOutRest(std::span<const RestingJoint> joints);
   /// The same rows with the states of every series changed: read in another way. Their number and rate stay.
   Dataset changed(const std::function<void(Series&)>& change) const;
   /// A variable of one joint's state through the band, as `rows()` values.

@@ -17,6 +17,11 @@ constexpr int kWeightingOrder = 4;
 constexpr double kWeightingWhiteShare = 0.5;
 constexpr int kHighestProcessOrder = 10;
 constexpr int kBurnIn = 200;
+/// Share of the rows that an autoregression may lose to the beginnings of blocks: a process that is known
+/// from a few rows of many short blocks leaves nothing of them, and calls everything more than chance.
+constexpr double kMostLost = 0.5;
+/// Share that noise keeps from one row to the next, at most.
+constexpr double kSlowestDecay = 0.999;
 
 /// A Column less the mean of each joint's rows. A constant torque is no noise: taken for some, it would pass
 /// for a process that never comes back, against which no constant shows.
@@ -65,11 +70,52 @@ Eigen::MatrixXd laggedProducts(const Dataset& data, const Eigen::VectorXd& resid
   return sums.selfadjointView<Eigen::Lower>();
 }
 
+/// Whether a process e_t = Σ a_k e_(t−k) comes back to zero: the Levinson recursion downwards has partial
+/// autocorrelations below 1 only (Schur and Cohn).
+bool comesBack(Eigen::VectorXd a) {
+  for (Eigen::Index order = a.size(); order > 0; --order) {
+    const double last = a[order - 1];
+    if (!(std::abs(last) < 1.0)) {
+      return false;
+    }
+    const Eigen::VectorXd rest = a.head(order - 1);
+    a = (rest + last * rest.reverse()) / (1.0 - last * last);
+  }
+  return true;
+}
+
+/// Brings a process back that is known from so few rows that it grows without end.
+void dampGrowth(Eigen::VectorXd& a) {
+  if (comesBack(a)) {
+    return;
+  }
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(a.size(), a.size());
+  companion.diagonal(-1).setOnes();
+  companion.row(0) = a.transpose();
+  const double ratio = kSlowestDecay / companion.eigenvalues().cwiseAbs().maxCoeff();
+  double factor = 1.0;
+  for (double& coefficient : a) {
+    factor *= ratio;
+    coefficient *= factor;
+  }
+}
+
+/// The order, or the highest below it that the lengths of the blocks allow.
+int affordable(const Dataset& data, int order) {
+  const auto lost = [&](int of) {
+    return static_cast<double>(data.rows() - Autoregression{.order = of, .coefficients = {}}.rows(data));
+  };
+  while (order > 0 && lost(order) > kMostLost * static_cast<double>(data.rows())) {
+    --order;
+  }
+  return data.isStatic() ? 0 : order;
+}
+
 }  // namespace
 
 Autoregression Autoregression::fit(const Dataset& data, const Eigen::VectorXd& residual, int order,
                                    double white_share) {
-  Autoregression result{.order = data.isStatic() ? 0 : order, .coefficients = {}};
+  Autoregression result{.order = affordable(data, order), .coefficients = {}};
   const int lags = result.order;
   for (int joint = 0; joint < data.joints(); ++joint) {
     const Eigen::MatrixXd products = laggedProducts(data, residual, joint, lags);
@@ -267,9 +313,12 @@ double Weighting::objective(const Eigen::VectorXd& residual) const {
 NoiseProcess::NoiseProcess(const Dataset& data, const Eigen::VectorXd& whole) : data_(&data) {
   const Eigen::VectorXd residual = centred(data, whole);
   double least = std::numeric_limits<double>::infinity();
-  const int highest = data.isStatic() ? 0 : kHighestProcessOrder;
+  const int highest = affordable(data, kHighestProcessOrder);
   for (int order = 0; order <= highest; ++order) {
-    const Autoregression candidate = Autoregression::fit(data, residual, order, 0.0);
+    Autoregression candidate = Autoregression::fit(data, residual, order, 0.0);
+    for (int joint = 0; joint < data.joints(); ++joint) {
+      dampGrowth(candidate.coefficients[static_cast<std::size_t>(joint)]);
+    }
     const Eigen::VectorXd all = candidate.innovations(data, residual);
     const Eigen::Index rows = candidate.rows(data);
     const Eigen::Map<const Eigen::MatrixXd> joints(all.data(), rows, data.joints());

@@ -49,19 +49,24 @@ void addStays(const Series& series, int joint, double least_s, double within_rad
 
 }  // namespace
 
-std::vector<bool> restingStates(const Series& series, int joint) {
+std::vector<bool> restingStates(const Series& series, const RestingJoint& of) {
+  const int joint = of.joint;
   std::vector<bool> rests(series.states.size(), false);
   const double speed = speed_rad_s(series, joint);
+  if (of.pushed) {
+    addStays(series, joint, resting::kPushedPause_s, resting::kPushedDrift * speed * resting::kPushedPause_s,
+             rests);
+  }
   addStays(series, joint, resting::kPause_s, resting::kPauseDrift * speed * resting::kPause_s, rests);
   addStays(series, joint, resting::kTurn_s, resting::kTurnDrift * speed * resting::kTurn_s, rests);
   return rests;
 }
 
-std::vector<double> weightsInMotion(const Series& series, std::span<const int> joints) {
+std::vector<double> weightsInMotion(const Series& series, std::span<const RestingJoint> joints) {
   const std::size_t count = series.states.size();
   const std::size_t taper = samples(resting::kTaper_s, series.rate_Hz);
   std::vector<std::size_t> away(count, taper);  // states from the next rest, taper at most
-  for (const int joint : joints) {
+  for (const RestingJoint& joint : joints) {
     const std::vector<bool> rests = restingStates(series, joint);
     for (std::size_t i = 0; i < count; ++i) {
       away[i] = rests[i] ? 0 : away[i];

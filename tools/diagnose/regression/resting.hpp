@@ -1,5 +1,6 @@
 // When a joint rests while a recording goes on. Dry friction then holds it with whatever torque it takes,
-// below its level: no law of motion says which.
+// below its level: no law of motion says which. A person who pushes it moves it there, so that its velocity,
+// which is hers, goes with her push.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +14,10 @@
 namespace patella::diagnose {
 
 /// For each state of a series, whether the joint rests there (thresholds: resting).
-std::vector<bool> restingStates(const Series& series, int joint);
+std::vector<bool> restingStates(const Series& series, const RestingJoint& joint);
 
 /// For each state of a series 0 where a chosen joint rests, 1 in motion, and in between beside a rest.
-std::vector<double> weightsInMotion(const Series& series, std::span<const int> joints);
+std::vector<double> weightsInMotion(const Series& series, std::span<const RestingJoint> joints);
 
 /// How rows lie among the states of a series.
 struct RowPlaces {

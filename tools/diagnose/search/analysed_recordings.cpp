@@ -63,12 +63,12 @@ AnalysedRecordings::AnalysedRecordings(std::span<const Recording> recordings,
 
 void AnalysedRecordings::predictTorque(const model::ModelDescription& model,
                                        std::span<const double> person_Nm, const FitOptions& options) {
-  sticking = stickingJoints(train, model, person_Nm, options);
+  resting = restingJoints(train, model, person_Nm, options);
   const auto rows = static_cast<double>(train.rows());
-  train.leaveOutRest(sticking);
+  train.leaveOutRest(resting);
   share_left_out = 1.0 - static_cast<double>(train.rows()) / rows;
   if (heldout) {
-    heldout->leaveOutRest(sticking);
+    heldout->leaveOutRest(resting);
   }
   const TorquePrediction prediction(train, model, options);
   prediction.predict(train);

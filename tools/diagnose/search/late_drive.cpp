@@ -66,10 +66,10 @@ double lowestRate_Hz(std::span<const Recording> recordings) {
 
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
                                       const model::ModelDescription& explained, std::span<const int> joints,
-                                      std::span<const int> sticking, const FitOptions& fit_options,
+                                      std::span<const RestingJoint> resting, const FitOptions& fit_options,
                                       const SelectionOptions& selection) {
   Dataset data(recordings, kFast);
-  data.leaveOutRest(sticking);
+  data.leaveOutRest(resting);
   if (data.isStatic()) {
     return {};
   }

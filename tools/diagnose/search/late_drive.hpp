@@ -26,11 +26,10 @@ inline constexpr const char* kMayBeTimingWords =
 
 /// Delays and lags of the drives of `joints` that show beside what `explained` has, through every gate of a
 /// selection, on joints whose torque `explained` leaves little of. Friction and all else that `explained` has
-/// may move within what a fit allows declared effects. What joints that are `sticking` do at rest does not
-/// count.
+/// may move within what a fit allows declared effects. What `resting` joints do at rest does not count.
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
                                       const model::ModelDescription& explained, std::span<const int> joints,
-                                      std::span<const int> sticking, const FitOptions& fit,
+                                      std::span<const RestingJoint> resting, const FitOptions& fit,
                                       const SelectionOptions& selection);
 
 }  // namespace patella::diagnose

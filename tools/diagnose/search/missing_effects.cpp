@@ -95,7 +95,7 @@ class Finder {
     });
     std::vector<LateDrive> late =
         findLateDrives(recordings_.parts.train, first.fitter->describe(first.selection.fit), joints,
-                       recordings_.sticking, options_.fit(), options_.selection());
+                       recordings_.resting, options_.fit(), options_.selection());
     std::erase_if(late, [&](const LateDrive& drive) { return !slowMotionAgrees(drive, first); });
     return late;
   }
