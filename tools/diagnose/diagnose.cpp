@@ -66,6 +66,15 @@ Diagnosis undecided(const AnalysedRecordings& recordings, const model::ModelDesc
   return diagnosis;
 }
 
+// Whoever reads "nothing is missing" looks no further.
+void nameResized(Diagnosis& diagnosis) {
+  for (const Runaway& runaway : diagnosis.runaways) {
+    if (diagnosis.verdict == Verdict::kNothingMissing && runaway.resized) {
+      diagnosis.explanation += " But " + runaway.words + ".";
+    }
+  }
+}
+
 void warnOfRest(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
   for (const RestingJoint& joint : recordings.resting) {
     const char* const why = joint.pushed ? "rests under a person's push: the way it moves there is hers, and"
@@ -129,6 +138,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
     diagnosis.explanation += (cause.empty() ? "" : " ") + cause;
   }
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
+  nameResized(diagnosis);
   return diagnosis;
 }
 

@@ -165,6 +165,7 @@ struct Runaway {
   double refitted = 0.0;  ///< NaN where it vanished
   double limit = 0.0;     ///< tolerance (relative) or bound that it met; NaN where there is none
   std::string words;      ///< one sentence for people
+  bool resized = false;   ///< a declared effect, of another size than declared
 };
 
 /// Curves for the pictures, in the analysis band and at its rate.

@@ -30,6 +30,11 @@ bool restIsMissed(const ModelFitter& fitter, const ModelFit& fit) {
   return anyJointMisses(fitter, [&](std::size_t joint) { return squareOf(fitter, fit, joint); });
 }
 
+bool knownIsMoved(const ModelFit& fit) {
+  return fit.prior_residual.size() > 0 &&
+         fit.prior_residual.cwiseAbs2().maxCoeff() >= accepted::kMoved * fit.prior_scale * fit.prior_scale;
+}
+
 bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const ModelFit& larger) {
   return anyJointMisses(fitter, [&](std::size_t joint) {
     return squareOf(fitter, smaller, joint) - squareOf(fitter, larger, joint);

@@ -9,6 +9,10 @@ namespace patella::diagnose {
 /// What a fit leaves, on any joint.
 bool restIsMissed(const ModelFitter& fitter, const ModelFit& fit);
 
+/// Whether what is known beforehand of a parameter, a declared damping or a mass, moved by accepted::kMoved:
+/// what it made up for is missing, however little is left.
+bool knownIsMoved(const ModelFit& fit);
+
 /// What a fit explains beyond another, on any joint.
 bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const ModelFit& larger);
 

@@ -92,7 +92,7 @@ class Selector {
   // False where nothing is accepted by chance of `family_wise_p`, over all candidates together.
   bool forward(double family_wise_p) {
     const ModelFit& current = result_.fit;
-    if (!restIsMissed(fitter_, current)) {
+    if (!restIsMissed(fitter_, current) && !knownIsMoved(current)) {
       return false;
     }
     const Screening screening(

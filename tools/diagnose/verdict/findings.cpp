@@ -104,8 +104,17 @@ std::string explainedWords(const Diagnosis& diagnosis) {
   if (worst == refitted.size()) {
     return {};
   }
-  return fmt::format("What was found takes the error of joint {} from {:.3g} to {:.3g} {}{}.", worst + 1,
-                     refitted[worst], after[worst], unitsOf(diagnosis, static_cast<int>(worst)).torque,
+  // The refit of a declared effect has explained what the one in its place does.
+  const auto& given = heldout ? diagnosis.before.heldout_rms_Nm : diagnosis.before.train_rms_Nm;
+  const bool resized =
+      std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
+        return effect.asserted() && static_cast<std::size_t>(effect.joint) == worst &&
+               !effect.replaces.empty();
+      });
+  const double before = resized ? given[worst] : refitted[worst];
+  return fmt::format("What was found takes the error of joint {} from {:.3g}{} to {:.3g} {}{}.", worst + 1,
+                     before, resized ? " as given" : "", after[worst],
+                     unitsOf(diagnosis, static_cast<int>(worst)).torque,
                      heldout ? " on the held-out part" : "; the recording is too short to hold a part out");
 }
 

@@ -124,6 +124,14 @@ bool mayMatter(const EffectFinding& effect, const Dataset& data, MissingEffects&
   return explained > least_Nm * least_Nm || priorRelief(without.fit, found.selection.fit) >= accepted::kMoved;
 }
 
+// Whether a drive is late by less than a reader of columns may be.
+bool mayBeTiming(const EffectFinding& effect, std::span<const Recording> recordings) {
+  const bool late = effect.kind == "actuator_delay" || effect.kind == "actuator_lag";
+  return late && std::any_of(recordings.begin(), recordings.end(), [&](const Recording& recording) {
+           return effect.parameters.front().value * recording.rate_Hz < late_drive::kLeastPeriods;
+         });
+}
+
 }  // namespace
 
 void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, const UnexplainedRest& rest,
@@ -163,6 +171,8 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
   for (EffectFinding& effect : diagnosis.effects) {
     if (effect.asserted() && strengthIsUnknown(effect)) {
       effect.not_asserted_because = kUnknownStrengthWords;
+    } else if (effect.asserted() && mayBeTiming(effect, recordings.parts.train)) {
+      effect.not_asserted_because = kMayBeTimingWords;
     } else if (effect.asserted() && mayBeAnother(effect)) {
       effect.not_asserted_because = kMayBeAnotherWords;
     }

@@ -177,18 +177,18 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
     const ParameterName name = splitName(parameters[p].name, unitsOf(diagnosis, declared.joint));
     const bool nothing_left = std::abs(after) < runaway::kNothingLeft * std::abs(before);
     if (nothing_left || std::abs(after - before) > runaway::kWithinTolerance * tolerance * std::abs(before)) {
-      all.push_back(
-          {.what = what + " " + std::string(parameters[p].name),
-           .nominal = before,
-           .refitted = after,
-           .limit = runaway::kWithinTolerance * tolerance,
-           .words = fmt::format("the declared {}: {} {} from {} to {}", effectWords(what), name.words,
-                                nothing_left ? "vanished" : "went", withUnit(before, ""),
-                                withUnit(after, name.unit)) +
-                    (nothing_left ? ""
-                                  : fmt::format(" ({:+.0f} %), beyond its tolerance of {:.0f} %",
-                                                kPercent * (after / before - 1.0),
-                                                kPercent * runaway::kWithinTolerance * tolerance))});
+      all.push_back({.what = what + " " + std::string(parameters[p].name),
+                     .nominal = before,
+                     .refitted = after,
+                     .limit = runaway::kWithinTolerance * tolerance,
+                     .words = fmt::format("the declared {}: {} {} from {} to {}", effectWords(what),
+                                          name.words, nothing_left ? "vanished" : "went",
+                                          withUnit(before, ""), withUnit(after, name.unit)) +
+                              (nothing_left ? ""
+                                            : fmt::format(" ({:+.0f} %), beyond its tolerance of {:.0f} %",
+                                                          kPercent * (after / before - 1.0),
+                                                          kPercent * runaway::kWithinTolerance * tolerance)),
+                     .resized = true});
     }
   }
 }
