@@ -141,8 +141,9 @@ inline constexpr double kMostPlainUnseen = 0.5;
 inline constexpr double kNarrowed = 0.8;
 }  // namespace motion
 
-/// Does dry friction hold a joint at rest?
-// What the drive's torque is while friction holds is anything up to friction's level.
+/// Does a joint at rest say anything of the machine?
+// While dry friction holds, the drive's torque is anything up to friction's level. Where a person pushes, the
+// motion is hers.
 namespace resting {
 /// Time for which a joint stays where it is, to be at rest: a pause of a motion is longer.
 inline constexpr double kPause_s = 0.5;

@@ -4,6 +4,10 @@
 
 namespace patella::diagnose {
 
+bool isTiming(std::string_view kind) {
+  return kind == "actuator_delay" || kind == "actuator_lag";
+}
+
 bool isSame(const Recipe& found, const Recipe& recipe) {
   return found.label() == recipe.label() &&
          (found.variant == recipe.variant || found.variant.starts_with(recipe.variant + " +") ||
@@ -22,13 +26,10 @@ bool shapesTheSame(const Recipe& one, const Recipe& other) {
 }
 
 bool areAlike(const Recipe& one, const Recipe& other) {
-  const auto is_late = [](const Recipe& recipe) {
-    return recipe.kind == "actuator_delay" || recipe.kind == "actuator_lag";
-  };
   const auto tilts = [](const Recipe& recipe) {
     return recipe.kind == "encoder_offset" || recipe.kind == "linear_stiffness";
   };
-  return one.joint == other.joint && ((is_late(one) && is_late(other)) || (tilts(one) && tilts(other)));
+  return one.joint == other.joint && ((isTiming(one.kind) && isTiming(other.kind)) || (tilts(one) && tilts(other)));
 }
 
 bool contains(const Recipe& recipe, const Recipe& other) {

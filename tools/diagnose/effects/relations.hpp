@@ -1,9 +1,14 @@
 // How effects on one joint relate to each other.
 #pragma once
 
+#include <string_view>
+
 #include "tools/diagnose/effects/recipe.hpp"
 
 namespace patella::diagnose {
+
+/// Whether effects of this kind are a drive that is late.
+bool isTiming(std::string_view kind);
 
 /// The same but for coefficients that were left out.
 bool isSame(const Recipe& found, const Recipe& recipe);

@@ -34,15 +34,19 @@ Eigen::VectorXd centred(const Dataset& data, const Eigen::VectorXd& residual) {
   return result;
 }
 
-/// Calls visit(first row among a joint's innovations, its row among the joint's, rows) for each block.
+/// Calls visit(coefficients, first row among the innovations, its row in a Column, rows) for each joint and
+/// block.
 template <typename Visit>
 void eachRun(const Autoregression& process, const Dataset& data, Visit visit) {
   Eigen::Index at = 0;
-  for (const Block& block : data.blocks()) {
-    const Eigen::Index count = block.end - block.first - process.order;
-    if (count > 0) {
-      visit(at, block.first + process.order, count);
-      at += count;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    for (const Block& block : data.blocks()) {
+      const Eigen::Index count = block.end - block.first - process.order;
+      if (count > 0) {
+        visit(process.coefficients[static_cast<std::size_t>(joint)], at,
+              joint * data.rows() + block.first + process.order, count);
+        at += count;
+      }
     }
   }
 }
@@ -138,54 +142,39 @@ Eigen::Index Autoregression::rows(const Dataset& data) const {
 
 Eigen::VectorXd Autoregression::innovations(const Dataset& data,
                                             const Eigen::Ref<const Eigen::VectorXd>& column) const {
-  const Eigen::Index count = rows(data);
-  Eigen::VectorXd result(count * data.joints());
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    result.segment(joint * count, count) =
-        innovations(data, joint, column.segment(joint * data.rows(), data.rows()));
-  }
-  return result;
-}
-
-Eigen::VectorXd Autoregression::innovations(const Dataset& data, int joint,
-                                            const Eigen::Ref<const Eigen::VectorXd>& rows_of_joint) const {
-  const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
-  Eigen::VectorXd result(rows(data));
-  eachRun(*this, data, [&](Eigen::Index at, Eigen::Index first, Eigen::Index count) {
-    auto out = result.segment(at, count);
-    out = rows_of_joint.segment(first, count);
-    // Most effects act on one joint of up to eight.
-    if (rows_of_joint.segment(first - order, count + order).isZero(0.0)) {
-      return;
-    }
-    const auto lagged = [&](int k) { return rows_of_joint.segment(first - 1 - k, count); };
-    int k = 0;
-    // Four at a time: what this takes is reading and writing.
-    for (; k + 4 <= order; k += 4) {
-      out -=
-          a[k] * lagged(k) + a[k + 1] * lagged(k + 1) + a[k + 2] * lagged(k + 2) + a[k + 3] * lagged(k + 3);
-    }
-    for (; k < order; ++k) {
-      out -= a[k] * lagged(k);
-    }
-  });
+  Eigen::VectorXd result(rows(data) * data.joints());
+  eachRun(*this, data,
+          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+            auto out = result.segment(at, count);
+            out = column.segment(first, count);
+            // Most effects act on one joint of up to eight.
+            if (column.segment(first - order, count + order).isZero(0.0)) {
+              return;
+            }
+            const auto lagged = [&](int k) { return column.segment(first - 1 - k, count); };
+            int k = 0;
+            // Four at a time: what this takes is reading and writing.
+            for (; k + 4 <= order; k += 4) {
+              out -= a[k] * lagged(k) + a[k + 1] * lagged(k + 1) + a[k + 2] * lagged(k + 2) +
+                     a[k + 3] * lagged(k + 3);
+            }
+            for (; k < order; ++k) {
+              out -= a[k] * lagged(k);
+            }
+          });
   return result;
 }
 
 Eigen::VectorXd Autoregression::transposed(const Dataset& data, const Eigen::VectorXd& innovations) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(data.rows() * data.joints());
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
-    const auto of_joint = innovations.segment(joint * rows(data), rows(data));
-    auto out = result.segment(joint * data.rows(), data.rows());
-    eachRun(*this, data, [&](Eigen::Index at, Eigen::Index first, Eigen::Index count) {
-      const auto in = of_joint.segment(at, count);
-      out.segment(first, count) += in;
-      for (int k = 0; k < order; ++k) {
-        out.segment(first - 1 - k, count) -= a[k] * in;
-      }
-    });
-  }
+  eachRun(*this, data,
+          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+            const auto in = innovations.segment(at, count);
+            result.segment(first, count) += in;
+            for (int k = 0; k < order; ++k) {
+              result.segment(first - 1 - k, count) -= a[k] * in;
+            }
+          });
   return result;
 }
 
@@ -198,18 +187,6 @@ Weighting::Weighting(const Dataset& data, const Eigen::VectorXd& residual)
 
 Weighting Weighting::rescaled(const Eigen::VectorXd& residual) const {
   Weighting result = *this;
-  result.scaleTo(residual);
-  return result;
-}
-
-Weighting Weighting::refiltered(std::span<const int> joints, const Eigen::VectorXd& residual) const {
-  const Autoregression other =
-      Autoregression::fit(*data_, centred(*data_, residual), kWeightingOrder, kWeightingWhiteShare);
-  Weighting result = *this;
-  for (const int joint : joints) {
-    const auto at = static_cast<std::size_t>(joint);
-    result.filter_.coefficients[at] = other.coefficients[at];
-  }
   result.scaleTo(residual);
   return result;
 }
@@ -250,14 +227,6 @@ Eigen::MatrixXd Weighting::filtered(const Eigen::Ref<const Eigen::MatrixXd>& col
   Eigen::MatrixXd result(rows_ * data_->joints(), columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     result.col(c) = filter_.innovations(*data_, columns.col(c));
-  }
-  return result;
-}
-
-Eigen::MatrixXd Weighting::filtered(int joint, const Eigen::Ref<const Eigen::MatrixXd>& rows_of_joint) const {
-  Eigen::MatrixXd result(rows_, rows_of_joint.cols());
-  for (Eigen::Index c = 0; c < rows_of_joint.cols(); ++c) {
-    result.col(c) = filter_.innovations(*data_, joint, rows_of_joint.col(c));
   }
   return result;
 }

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <random>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,9 +28,6 @@ struct Autoregression {
   Eigen::Index rows(const Dataset& data) const;
   /// Innovations of a column, one joint after the other.
   Eigen::VectorXd innovations(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column) const;
-  /// Innovations of one joint's rows of a column.
-  Eigen::VectorXd innovations(const Dataset& data, int joint,
-                              const Eigen::Ref<const Eigen::VectorXd>& rows_of_joint) const;
   /// The transposed map, of rows as innovations() gives them to a Column.
   Eigen::VectorXd transposed(const Dataset& data, const Eigen::VectorXd& innovations) const;
 };
@@ -43,8 +39,6 @@ class Weighting {
   Weighting(const Dataset& data, const Eigen::VectorXd& residual);
   /// The same filter, scaled to another residual.
   Weighting rescaled(const Eigen::VectorXd& residual) const;
-  /// Other filters on these joints, scaled to another residual.
-  Weighting refiltered(std::span<const int> joints, const Eigen::VectorXd& residual) const;
   /// The same filter and scale, with the joints' correlation left in; so are those that rescaled() makes of
   /// it.
   Weighting jointByJoint() const;
@@ -57,8 +51,6 @@ class Weighting {
   Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
   /// The first half of it: each joint filtered alone.
   Eigen::MatrixXd filtered(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
-  /// The same of one joint's rows of columns.
-  Eigen::MatrixXd filtered(int joint, const Eigen::Ref<const Eigen::MatrixXd>& rows_of_joint) const;
   /// The transposed second half: products of what filtered() gives with these rows are those of what apply()
   /// gives with the given ones.
   Eigen::MatrixXd gathered(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const;

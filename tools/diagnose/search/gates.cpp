@@ -21,18 +21,10 @@ constexpr int kBootstraps = 60;
 /// Seconds long in a recording of half a minute: a person's push is forgotten from one to the next.
 constexpr int kJackknifeBlocks = 10;
 
-bool isBeginningOf(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& more) {
-  return columns.cols() <= more.cols() && columns == more.leftCols(columns.cols());
-}
-
 }  // namespace
 
-BlockEquations::BlockEquations(const ModelFit& fit, const Weighting& weighting, int blocks)
-    : BlockEquations(fit, weighting, weighting.apply(fit.tangent), blocks, nullptr) {}
-
-BlockEquations::BlockEquations(const ModelFit& fit, const Weighting& weighting,
-                               const Eigen::Ref<const Eigen::MatrixXd>& slope, int blocks,
-                               const BlockEquations* larger) {
+BlockEquations::BlockEquations(const ModelFit& fit, const Weighting& weighting, int blocks) {
+  const Eigen::MatrixXd slope = weighting.apply(fit.tangent);
   const Eigen::VectorXd residual = weighting.apply(fit.residual);
   const Eigen::Index rows = weighting.rows();
   const Eigen::Index joints = residual.size() / rows;
@@ -48,19 +40,14 @@ BlockEquations::BlockEquations(const ModelFit& fit, const Weighting& weighting,
   for (int b = 0; b < blocks; ++b) {
     const Eigen::Index first = rows * b / blocks;
     const Eigen::Index count = rows * (b + 1) / blocks - first;
-    Eigen::MatrixXd products =
-        larger != nullptr
-            ? larger->gram[static_cast<std::size_t>(b)].topLeftCorner(slope.cols(), slope.cols()).eval()
-            : Eigen::MatrixXd::Zero(slope.cols(), slope.cols());
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(slope.cols(), slope.cols());
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(slope.cols());
     double squares = 0.0;
     for (Eigen::Index joint = 0; joint < joints; ++joint) {
       const auto part = slope.middleRows(joint * rows + first, count);
       const auto rest = residual.segment(joint * rows + first, count);
-      if (larger == nullptr) {
-        const auto& own = felt[static_cast<std::size_t>(joint)];
-        products(own, own) += gramOf(part(Eigen::all, own).eval());
-      }
+      const auto& own = felt[static_cast<std::size_t>(joint)];
+      products(own, own) += gramOf(part(Eigen::all, own).eval());
       sum += part.transpose() * rest;
       squares += rest.squaredNorm();
     }
@@ -91,14 +78,7 @@ double BlockEquations::error(std::size_t block, const Eigen::VectorXd& x) const 
 }
 
 Blockwise::Blockwise(const ModelFit& smaller, const ModelFit& larger)
-    : Blockwise(smaller, larger, larger.weighting->apply(larger.tangent)) {}
-
-Blockwise::Blockwise(const ModelFit& smaller, const ModelFit& larger, const Eigen::MatrixXd& slope)
-    : with_(larger, *larger.weighting, slope, kBlocks, nullptr),
-      without_(isBeginningOf(smaller.tangent, larger.tangent)
-                   ? BlockEquations(smaller, *larger.weighting, slope.leftCols(smaller.tangent.cols()),
-                                    kBlocks, &with_)
-                   : BlockEquations(smaller, *larger.weighting, kBlocks)) {}
+    : without_(smaller, *larger.weighting, kBlocks), with_(larger, *larger.weighting, kBlocks) {}
 
 Blockwise::Gain Blockwise::gain(std::span<const double> fitted, std::span<const double> judged) const {
   const Eigen::VectorXd x_without = without_.solution(fitted);

@@ -30,10 +30,6 @@ struct BlockEquations {
   double prior_square = 0.0;
 
   BlockEquations(const ModelFit& fit, const Weighting& weighting, int blocks);
-  /// `slope`: the fit's tangent, weighted. Products of a larger fit, whose first columns are the same, need
-  /// not be worked out again; nullptr where there is none.
-  BlockEquations(const ModelFit& fit, const Weighting& weighting,
-                 const Eigen::Ref<const Eigen::MatrixXd>& slope, int blocks, const BlockEquations* larger);
   /// x where each block counts so many times.
   Eigen::VectorXd solution(std::span<const double> weight) const;
   /// Squared distance of x from what is known.
@@ -63,10 +59,8 @@ class Blockwise {
   };
   Gain gain(std::span<const double> fitted, std::span<const double> judged) const;
 
-  Blockwise(const ModelFit& smaller, const ModelFit& larger, const Eigen::MatrixXd& larger_slope);
-
-  BlockEquations with_;
   BlockEquations without_;
+  BlockEquations with_;
 };
 
 /// Covariance of a fit's parameters from leaving out one block of time after another (jackknife): it also

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/considered.hpp"
+#include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/established.hpp"
@@ -16,10 +17,6 @@
 
 namespace patella::diagnose {
 namespace {
-
-bool isTiming(std::string_view kind) {
-  return kind == "actuator_delay" || kind == "actuator_lag";
-}
 
 bool holds(std::span<const int> joints, int joint) {
   return std::find(joints.begin(), joints.end(), joint) != joints.end();

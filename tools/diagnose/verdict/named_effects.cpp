@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/correlations.hpp"
 #include "tools/diagnose/search/estimates.hpp"
@@ -82,8 +83,7 @@ void addTremors(const AnalysedRecordings& recordings, const model::ModelDescript
 // Motion alone does not tell a drive that is late from a column that is early.
 void warnOfEarlyColumns(Diagnosis& diagnosis) {
   for (const EffectFinding& effect : diagnosis.effects) {
-    const bool late = effect.kind == "actuator_delay" || effect.kind == "actuator_lag";
-    if (late && effect.asserted()) {
+    if (isTiming(effect.kind) && effect.asserted()) {
       diagnosis.warnings.push_back(fmt::format(
           "joint {}: a drive that acts {:.2g} ms late, and columns of position or velocity that come as "
           "much later than that of torque, as through a filter, look alike; check the columns",
@@ -126,8 +126,7 @@ bool mayMatter(const EffectFinding& effect, const Dataset& data, MissingEffects&
 
 // Whether a drive is late by less than a reader of columns may be.
 bool mayBeTiming(const EffectFinding& effect, std::span<const Recording> recordings) {
-  const bool late = effect.kind == "actuator_delay" || effect.kind == "actuator_lag";
-  return late && std::any_of(recordings.begin(), recordings.end(), [&](const Recording& recording) {
+  return isTiming(effect.kind) && std::any_of(recordings.begin(), recordings.end(), [&](const Recording& recording) {
            return effect.parameters.front().value * recording.rate_Hz < late_drive::kLeastPeriods;
          });
 }

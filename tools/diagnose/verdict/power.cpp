@@ -160,7 +160,6 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
                                  const Chance& chance) {
   const Dataset& data = fitter.data();
   const Detector detector(data, fit, chance.threshold);
-  const FilteredColumns given(data, Weighting(data, fit.residual), fit.tangent);
   Obstacles obstacles{
       .chance = chance.margin, .noise_Nm = {}, .structure_Nm = {}, .least_Nm = fitter.leastTorque_Nm()};
   for (const RestOfJoint& rest : rests) {
@@ -187,7 +186,7 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     }
     Size size = median(std::move(sizes));
     if (size.atom != nullptr) {
-      size = rehearsed(size, Rehearsal(data, fit, given, obstacles, atoms.of(*size.atom), joint));
+      size = rehearsed(size, Rehearsal(data, fit, obstacles, atoms.of(*size.atom), joint));
     }
     const std::string& kind = points.front()->recipe->kind;
     all.push_back({.kind = kind,

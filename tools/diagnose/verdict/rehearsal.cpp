@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <vector>
+#include <utility>
 
 #include <Eigen/Dense>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/gram.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 #include "tools/diagnose/search/gates.hpp"
 #include "tools/diagnose/search/missed.hpp"
@@ -25,11 +26,13 @@ constexpr std::uint64_t kSeed = 20011;
 
 /// Normal equations of a weighted fit, with what is known of its parameters.
 struct Equations {
-  Eigen::VectorXd length;  ///< of the columns and what is known, to which they are scaled
+  Eigen::MatrixXd slope;   ///< weighted
+  Eigen::VectorXd length;  ///< of its columns and what is known, to which they are scaled
   Eigen::LDLT<Eigen::MatrixXd> normal;
 
-  Equations(const Eigen::Ref<const Eigen::MatrixXd>& gram, const Eigen::VectorXd& prior_weight) {
-    Eigen::MatrixXd information = gram;
+  Equations(const Weighting& weighting, const Eigen::MatrixXd& columns, const Eigen::VectorXd& prior_weight)
+      : slope(weighting.apply(columns)) {
+    Eigen::MatrixXd information = gramByJoint(slope, weighting.rows());
     information.diagonal() += prior_weight.cwiseAbs2();
     length = information.diagonal().cwiseSqrt().cwiseMax(1e-150);
     information = length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
@@ -37,8 +40,8 @@ struct Equations {
     normal.compute(information);
   }
 
-  Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& right) const {
-    return length.cwiseInverse().asDiagonal() * normal.solve(length.cwiseInverse().asDiagonal() * right);
+  Eigen::VectorXd solve(const Eigen::VectorXd& right) const {
+    return normal.solve(right.cwiseQuotient(length)).cwiseQuotient(length);
   }
 };
 
@@ -50,40 +53,21 @@ Eigen::VectorXd alone(const Eigen::MatrixXd& columns) {
   return columns.col(0) - others * others.completeOrthogonalDecomposition().solve(columns.col(0));
 }
 
-// The given parameters' columns, and the effect's on their right.
-Eigen::MatrixXd beside(const Eigen::MatrixXd& given, const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd all(given.rows(), given.cols() + columns.cols());
-  all << given, columns;
-  return all;
-}
-
-std::vector<int> jointsOf(const Dataset& data, const Eigen::MatrixXd& columns) {
-  std::vector<int> joints;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    if (!columns.middleRows(joint * data.rows(), data.rows()).isZero(0.0)) {
-      joints.push_back(joint);
-    }
-  }
-  return joints;
-}
-
 }  // namespace
 
-Rehearsal::Rehearsal(const Dataset& data, const ModelFit& fit, const FilteredColumns& given,
-                     const Obstacles& obstacles, const Eigen::MatrixXd& columns, int joint)
+Rehearsal::Rehearsal(const Dataset& data, const ModelFit& fit, const Obstacles& obstacles,
+                     Eigen::MatrixXd columns, int joint)
     : data_(data),
       fit_(fit),
-      given_(given),
       obstacles_(obstacles),
-      tangent_(beside(fit.tangent, columns)),
-      effect_(columns.cols()),
-      joints_(jointsOf(data, columns)),
-      shape_(alone(columns)),
-      with_(fitted(fit.residual, filteredBy(fit.residual), given.filters(), true)),
+      columns_(std::move(columns)),
+      shape_(alone(columns_)),
+      with_(fitted(fit.residual, *fit.weighting, true)),
       noise_(data, with_.residual) {
-  const Equations equations(filteredBy(fit.residual).gram(*with_.weighting), with_.prior_weight);
-  const Eigen::VectorXd row = equations.solve(Eigen::VectorXd::Unit(tangent_.cols(), fit.tangent.cols()));
-  const Eigen::MatrixXd weighted = with_.weighting->apply(tangent_ * row);
+  const Equations equations(*with_.weighting, with_.tangent, with_.prior_weight);
+  const Eigen::Index place = fit.tangent.cols();
+  const Eigen::VectorXd row = equations.solve(Eigen::VectorXd::Unit(with_.tangent.cols(), place));
+  const Eigen::VectorXd weighted = equations.slope * row;
   const double by_noise = std::sqrt(noise_.variance(with_.weighting->transposed(weighted).col(0)));
   // What nothing explains is so many independent looks at the part of a shape that the parameters leave.
   const double own_share = 1.0 / std::max(weighted.norm() * with_.weighting->apply(shape_).norm(), 1e-300);
@@ -94,23 +78,23 @@ Rehearsal::Rehearsal(const Dataset& data, const ModelFit& fit, const FilteredCol
   against_ = shown::kFourInFive * spread_;
 }
 
-FilteredColumns Rehearsal::filteredBy(const Eigen::VectorXd& residual) const {
-  return given_.changed(given_.filters().refiltered(joints_, residual), tangent_, joints_);
-}
-
-ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const FilteredColumns& filtered,
-                           const Weighting& weighting, bool with_effect) const {
+ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const Weighting& weighting,
+                           bool with_effect) const {
   ModelFit result;
   const Eigen::Index given = fit_.tangent.cols();
-  const Eigen::Index count = given + (with_effect ? effect_ : 0);
-  result.tangent = tangent_.leftCols(count);
+  const Eigen::Index count = given + (with_effect ? columns_.cols() : 0);
+  result.tangent.resize(torque.size(), count);
+  result.tangent.leftCols(given) = fit_.tangent;
   result.prior_weight = Eigen::VectorXd::Zero(count);
   result.prior_weight.head(given) = fit_.prior_weight;
   result.prior_scale = fit_.prior_scale;
+  if (with_effect) {
+    result.tangent.rightCols(columns_.cols()) = columns_;
+  }
   auto current = std::make_shared<const Weighting>(weighting);
   const auto solved = [&] {
-    const Equations equations(filtered.gram(*current).topLeftCorner(count, count), result.prior_weight);
-    return Eigen::VectorXd(equations.solve(filtered.products(*current, torque).head(count)));
+    const Equations equations(*current, result.tangent, result.prior_weight);
+    return Eigen::VectorXd(equations.solve(equations.slope.transpose() * current->apply(torque)));
   };
   for (int round = 0; round < kRounds; ++round) {
     Eigen::VectorXd x = solved();
@@ -122,7 +106,7 @@ ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const FilteredColumns&
     }
     result.residual = torque - result.tangent * x;
     result.prior_residual = -result.prior_weight.cwiseProduct(x);
-    current = std::make_shared<const Weighting>(current->rescaled(result.residual));
+    current = std::make_shared<const Weighting>(weighting.rescaled(result.residual));
   }
   result.weighting = current;
   result.objective = current->objective(result.residual) + result.prior_residual.squaredNorm();
@@ -130,12 +114,12 @@ ModelFit Rehearsal::fitted(const Eigen::VectorXd& torque, const FilteredColumns&
 }
 
 // Mean variance that noise brings the effect's columns, weighted and beside the other parameters.
-double Rehearsal::chanceUnit(const ModelFit& with, const FilteredColumns& filtered) const {
-  const Eigen::Index given = fit_.tangent.cols();
-  const Eigen::MatrixXd gram = filtered.gram(*with.weighting);
-  const Equations others(gram.topLeftCorner(given, given), fit_.prior_weight);
-  const Eigen::MatrixXd taken = others.solve(gram.topRightCorner(given, effect_));
-  const Eigen::MatrixXd own = with.weighting->apply(tangent_.rightCols(effect_) - fit_.tangent * taken);
+double Rehearsal::chanceUnit(const ModelFit& with) const {
+  const Equations others(*with.weighting, fit_.tangent, fit_.prior_weight);
+  Eigen::MatrixXd own = with.weighting->apply(with.tangent.rightCols(columns_.cols()));
+  for (Eigen::Index k = 0; k < own.cols(); ++k) {
+    own.col(k) -= others.slope * others.solve(others.slope.transpose() * own.col(k));
+  }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(own);
   qr.setThreshold(1e-5);
   if (qr.rank() == 0) {
@@ -150,8 +134,7 @@ double Rehearsal::chanceUnit(const ModelFit& with, const FilteredColumns& filter
   return sum / static_cast<double>(dual.cols());
 }
 
-bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with,
-                        const FilteredColumns& filtered) const {
+bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with) const {
   double share = 0.0;
   bool missed = false;
   for (int joint = 0; joint < data_.joints(); ++joint) {
@@ -164,8 +147,8 @@ bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with,
   if ((share < accepted::kLeastShare || !missed) && priorRelief(without, with) < accepted::kMoved) {
     return false;
   }
-  const double unit = chanceUnit(with, filtered);
-  const double cost = parameterCost(with) * static_cast<double>(effect_);
+  const double unit = chanceUnit(with);
+  const double cost = parameterCost(with) * static_cast<double>(columns_.cols());
   if ((without.objective - with.objective) / unit - cost <= std::max(0.0, obstacles_.chance)) {
     return false;
   }
@@ -192,17 +175,14 @@ bool Rehearsal::asserts(double strength) const {
     return false;
   }
   const Eigen::VectorXd torque = with_.residual + seen * shape_;
-  const FilteredColumns as_torque = filteredBy(torque);
-  const ModelFit first = fitted(torque, as_torque, as_torque.filters(), false);
-  const FilteredColumns as_left = filteredBy(first.residual);
-  const ModelFit without = fitted(torque, as_left, as_left.filters(), false);
-  const ModelFit with = fitted(torque, as_left, *without.weighting, true);
-  if (!accepts(without, with, as_left)) {
+  const ModelFit first = fitted(torque, Weighting(data_, torque), false);
+  const ModelFit without = fitted(torque, Weighting(data_, first.residual), false);
+  const ModelFit with = fitted(torque, *without.weighting, true);
+  if (!accepts(without, with)) {
     return false;
   }
-  const FilteredColumns as_noise = filteredBy(with.residual);
-  const ModelFit settled = fitted(torque, as_noise, as_noise.filters(), true);
-  if (!outweighsRest(fitted(torque, as_noise, *settled.weighting, false), settled)) {
+  const ModelFit settled = fitted(torque, Weighting(data_, with.residual), true);
+  if (!outweighsRest(fitted(torque, *settled.weighting, false), settled)) {
     return false;
   }
   const Eigen::Index place = fit_.tangent.cols();

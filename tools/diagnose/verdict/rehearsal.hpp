@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 
 #include "tools/diagnose/fit/model_fit.hpp"
-#include "tools/diagnose/regression/filtered_columns.hpp"
 #include "tools/diagnose/regression/noise_model.hpp"
 
 namespace patella::diagnose {
@@ -24,34 +23,26 @@ struct Obstacles {
 
 class Rehearsal {
  public:
-  /// `given`: the fit's tangent, under filters for its residual. `columns` of an effect on `joint`: the first
-  /// one is its strength, the others come with it. On joints without the effect the noise keeps its filter.
-  /// All but the columns must outlive it.
-  Rehearsal(const Dataset& data, const ModelFit& fit, const FilteredColumns& given,
-            const Obstacles& obstacles, const Eigen::MatrixXd& columns, int joint);
+  /// `columns` of an effect on `joint`: the first one is its strength, the others come with it. The dataset,
+  /// the fit and the obstacles must outlive it.
+  Rehearsal(const Dataset& data, const ModelFit& fit, const Obstacles& obstacles, Eigen::MatrixXd columns,
+            int joint);
 
   /// Whether the search would assert the effect in four of five recordings that held so many times the part
   /// of the first column that the others do not give.
   bool asserts(double strength) const;
 
  private:
-  /// The parameters' columns, under filters for a residual on the effect's joints.
-  FilteredColumns filteredBy(const Eigen::VectorXd& residual) const;
-  /// Linear fit of the parameters of the given fit, and of the effect; it begins with a weighting of the same
-  /// filters.
-  ModelFit fitted(const Eigen::VectorXd& torque, const FilteredColumns& filtered, const Weighting& weighting,
-                  bool with_effect) const;
-  bool accepts(const ModelFit& without, const ModelFit& with, const FilteredColumns& filtered) const;
-  double chanceUnit(const ModelFit& with, const FilteredColumns& filtered) const;
+  /// Linear fit of the parameters of the given fit, and of the effect.
+  ModelFit fitted(const Eigen::VectorXd& torque, const Weighting& weighting, bool with_effect) const;
+  bool accepts(const ModelFit& without, const ModelFit& with) const;
+  double chanceUnit(const ModelFit& with) const;
   bool outweighsRest(const ModelFit& without, const ModelFit& with) const;
 
   const Dataset& data_;
   const ModelFit& fit_;
-  const FilteredColumns& given_;
   const Obstacles& obstacles_;
-  Eigen::MatrixXd tangent_;  ///< of the given fit's parameters, then of the effect
-  Eigen::Index effect_;      ///< columns of the effect
-  std::vector<int> joints_;  ///< that the effect acts on
+  Eigen::MatrixXd columns_;
   Eigen::VectorXd shape_;
   ModelFit with_;  ///< the effect fitted: nothing of it is in what that leaves
   NoiseProcess noise_;
