@@ -1,6 +1,7 @@
 #include "tools/diagnose/diagnose.hpp"
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "tools/diagnose/search/missing_effects.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/before_and_after.hpp"
+#include "tools/diagnose/verdict/cause_hint.hpp"
 #include "tools/diagnose/verdict/consistency.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
 #include "tools/diagnose/verdict/material_rest.hpp"
@@ -85,9 +87,11 @@ void warnOfRest(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
   }
 }
 
-// From recordings that can be of this machine, and the time at which their torque acted.
+// From recordings that can be of this machine, and the time at which their torque acted. `suspected`: a cause
+// that all joints share. `cause_Nm`: of one that was taken out, on each joint.
 Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const Recording> holdout,
-                        const model::ModelDescription& model, const DiagnoseOptions& options) {
+                        const model::ModelDescription& model, const DiagnoseOptions& options,
+                        std::span<const double> cause_Nm, std::optional<SharedCause>& suspected) {
   Diagnosis diagnosis;
   diagnosis.seed = options.seed;
   diagnosis.torque_unit = model::isLinear(model.mechanism) ? "N" : "N·m";
@@ -117,7 +121,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   options.report("unexplained", 0.0);
   const UnexplainedRest left = unexplainedRest(analysed, bare.mechanism(), noise_Nm, options, found);
   const ModelFit& fit = found.selection.fit;
-  nameEffects(analysed, found, left, options, diagnosis);
+  nameEffects(analysed, found, left, options, cause_Nm, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
   judgeRest(left.joints, !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, diagnosis);
@@ -134,11 +138,12 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                 diagnosis);
   settle(diagnosis);
   if (diagnosis.verdict == Verdict::kUnknownEffect) {
-    const std::string cause = sharedCause(train, model, found.nominal);
-    diagnosis.explanation += (cause.empty() ? "" : " ") + cause;
+    const std::string hint = causeHint(train, model, found.nominal);
+    diagnosis.explanation += (hint.empty() ? "" : " ") + hint;
   }
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   nameResized(diagnosis);
+  suspected = suspectedCause(train, model, found.nominal, fit, diagnosis);
   return diagnosis;
 }
 
@@ -148,13 +153,30 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
                    const model::ModelDescription& model, const DiagnoseOptions& options) {
   requirePlausible(recordings, model);
   requirePlausible(holdout, model);
-  const std::vector<Recording> timed = withTorqueTiming(recordings, model);
+  std::vector<Recording> timed = withTorqueTiming(recordings, model);
   std::vector<Recording> timed_holdout(holdout.begin(), holdout.end());
   for (Recording& recording : timed_holdout) {
     recording.torque_timing =
         recording.torque_timing_assumed ? timed.front().torque_timing : recording.torque_timing;
   }
-  return diagnoseTimed(timed, timed_holdout, model, options);
+  std::optional<SharedCause> cause;
+  Diagnosis diagnosis = diagnoseTimed(timed, timed_holdout, model, options, {}, cause);
+  // Two at most: the base, and the torque columns.
+  std::vector<SharedCause> causes;
+  model::ModelDescription changed = model;
+  while (cause && causes.size() < 2) {
+    causes.push_back(std::move(*cause));
+    timed = causes.back().takenOutOf(timed);
+    timed_holdout = causes.back().takenOutOf(timed_holdout);
+    changed = causes.back().takenOutOf(changed);
+    Diagnosis taken_out =
+        diagnoseTimed(timed, timed_holdout, changed, options, causes.back().torque_Nm, cause);
+    if (!bearsOut(taken_out, diagnosis)) {
+      break;
+    }
+    diagnosis = withCauses(causes, std::move(taken_out), diagnosis);
+  }
+  return diagnosis;
 }
 
 }  // namespace patella::diagnose

@@ -403,6 +403,18 @@ inline constexpr double kShareOfNoNoise = 0.05;
 inline constexpr double kNoNoise = 1.0 / 3.0;
 }  // namespace unknown
 
+/// Is one cause behind what several joints lack?
+namespace shared {
+/// Share of the squares of what is left from which on it pays to look with the cause taken out, and of which
+/// it has to be rid: on measured data, causes that are not there explain up to 0.27.
+inline constexpr double kSuspected = 0.5;
+/// Multiple of what effects leave up to which a cause leaves as little.
+inline constexpr double kAsLittle = 1.05;
+/// Share of the torque (rms on a joint) of a cause that its estimate may leave: filters of one bandwidth are
+/// taken for a delay. An effect that explains less may be no more than that.
+inline constexpr double kLeftOfCause = 0.05;
+}  // namespace shared
+
 /// What would have shown?
 namespace shown {
 /// Standard deviations that a torque has to lie above the threshold for four in five recordings to show it.

@@ -27,6 +27,7 @@ struct Doubt {
   /// In the order in which they count: the first that applies to an answer decides (verdict/verdict.hpp).
   enum class Kind {
     kTooPoor,             ///< the recordings tell nothing, whatever is looked for
+    kSharedCause,         ///< one cause on all joints, which no effect of the library has
     kHeldOutDiffers,      ///< something else happens in the held-out part
     kHeldOutWorse,        ///< what explains the fitted part makes the error of the held-out part larger
     kRestingTorque,       ///< encoder and torque of a joint at rest contradict each other

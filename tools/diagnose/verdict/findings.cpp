@@ -164,6 +164,8 @@ std::string_view doubtName(Doubt::Kind kind) noexcept {
   switch (kind) {
     case Doubt::kTooPoor:
       return "too_poor";
+    case Doubt::kSharedCause:
+      return "shared_cause";
     case Doubt::kHeldOutDiffers:
       return "heldout_differs";
     case Doubt::kHeldOutWorse:

@@ -12,6 +12,8 @@ namespace patella::diagnose {
 
 /// Text after "possibly: " for an effect that is not asserted.
 inline constexpr const char* kOutweighedWords = "it explains less than what nothing explains";
+inline constexpr const char* kMayBeOfCauseWords =
+    "it explains no more than the cause may leave that all joints share";
 
 /// An effect with its parameters and how it was found. What it cannot be told from: its rivals, and what
 /// equals it by algebra, whatever the motion, or is the limit of what could be behind it; and the motion that

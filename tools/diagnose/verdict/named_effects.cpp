@@ -103,30 +103,53 @@ Eigen::VectorXd missingTorque(MissingEffects& found) {
   return residual;
 }
 
-// Whether anybody would look for an effect that is only possible: for what it explains beside the others, or
-// for what the model's parameters would take up in its place.
-bool mayMatter(const EffectFinding& effect, const Dataset& data, MissingEffects& found) {
-  const double least_Nm = leastUnnamed_Nm(*found.fitter)[static_cast<std::size_t>(effect.joint)];
+struct Beside {
+  double square_Nm2 = 0.0;    ///< mean on its joint that the effect explains beside all others
+  double prior_relief = 0.0;  ///< see priorRelief(): parameters' distance from what is known, without it
+};
+
+// Nothing where the fit does not have the effect.
+std::optional<Beside> besideOthers(const EffectFinding& effect, const Dataset& data, MissingEffects& found) {
   if (effect.kind == "tremor") {
-    return meanSquareOf(effect) > least_Nm * least_Nm;
+    return Beside{.square_Nm2 = meanSquareOf(effect)};
   }
   const std::vector<Term>& terms = found.selection.fit.terms;
   const auto term = std::find_if(terms.begin(), terms.end(), [&](const Term& own) {
     return !own.declared && own.recipe->kind == effect.kind && own.recipe->joint == effect.joint;
   });
   if (term == terms.end()) {
-    return true;
+    return {};
   }
   const Selection without =
       withoutTerm(*found.fitter, found.selection, static_cast<std::size_t>(term - terms.begin()));
-  const double explained = std::pow(jointRms(data, without.fit.residual, effect.joint), 2) -
-                           std::pow(jointRms(data, found.selection.fit.residual, effect.joint), 2);
-  return explained > least_Nm * least_Nm || priorRelief(without.fit, found.selection.fit) >= accepted::kMoved;
+  return Beside{.square_Nm2 = std::pow(jointRms(data, without.fit.residual, effect.joint), 2) -
+                              std::pow(jointRms(data, found.selection.fit.residual, effect.joint), 2),
+                .prior_relief = priorRelief(without.fit, found.selection.fit)};
+}
+
+// Whether anybody would look for an effect that is only possible: for what it explains beside the others, or
+// for what the model's parameters would take up in its place.
+bool mayMatter(const EffectFinding& effect, const Dataset& data, MissingEffects& found) {
+  const double least_Nm = leastUnnamed_Nm(*found.fitter)[static_cast<std::size_t>(effect.joint)];
+  const std::optional<Beside> beside = besideOthers(effect, data, found);
+  return !beside || beside->square_Nm2 > least_Nm * least_Nm || beside->prior_relief >= accepted::kMoved;
+}
+
+// Whether it is no more than what an estimate of the cause may leave of it.
+bool mayBeOfCause(const EffectFinding& effect, std::span<const double> cause_Nm, const Dataset& data,
+                  MissingEffects& found) {
+  if (cause_Nm.empty()) {
+    return false;
+  }
+  const double least_Nm = shared::kLeftOfCause * cause_Nm[static_cast<std::size_t>(effect.joint)];
+  const std::optional<Beside> beside = besideOthers(effect, data, found);
+  return beside && beside->square_Nm2 < least_Nm * least_Nm;
 }
 
 // Whether a drive is late by less than a reader of columns may be.
 bool mayBeTiming(const EffectFinding& effect, std::span<const Recording> recordings) {
-  return isTiming(effect.kind) && std::any_of(recordings.begin(), recordings.end(), [&](const Recording& recording) {
+  return isTiming(effect.kind) &&
+         std::any_of(recordings.begin(), recordings.end(), [&](const Recording& recording) {
            return effect.parameters.front().value * recording.rate_Hz < late_drive::kLeastPeriods;
          });
 }
@@ -134,7 +157,7 @@ bool mayBeTiming(const EffectFinding& effect, std::span<const Recording> recordi
 }  // namespace
 
 void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, const UnexplainedRest& rest,
-                 const DiagnoseOptions& options, Diagnosis& diagnosis) {
+                 const DiagnoseOptions& options, std::span<const double> cause_Nm, Diagnosis& diagnosis) {
   const Dataset& data = recordings.train;
   const Selection& selection = found.selection;
   diagnosis.steps = selection.steps;
@@ -172,13 +195,15 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
       effect.not_asserted_because = kUnknownStrengthWords;
     } else if (effect.asserted() && mayBeTiming(effect, recordings.parts.train)) {
       effect.not_asserted_because = kMayBeTimingWords;
+    } else if (effect.asserted() && mayBeOfCause(effect, cause_Nm, data, found)) {
+      effect.not_asserted_because = kMayBeOfCauseWords;
     } else if (effect.asserted() && mayBeAnother(effect)) {
       effect.not_asserted_because = kMayBeAnotherWords;
     }
   }
   if (std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
         return !effect.asserted() && effect.not_asserted_because != kMayBeTimingWords &&
-               mayMatter(effect, data, found);
+               effect.not_asserted_because != kMayBeOfCauseWords && mayMatter(effect, data, found);
       })) {
     diagnosis.doubts.push_back({Doubt::kOutweighed,
                                 "What was found explains less than what nothing explains, or is of unknown "

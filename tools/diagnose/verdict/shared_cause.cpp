@@ -4,60 +4,29 @@
 #include <cmath>
 #include <numbers>
 #include <variant>
-#include <vector>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include "tools/diagnose/fit/model_error.hpp"
-#include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/verdict.hpp"
+#include "tools/signals/signals.hpp"
 
 namespace patella::diagnose {
 namespace {
-
-auto jointOf(const Dataset& data, const Column& column, int joint) {
-  return column.segment(joint * data.rows(), data.rows());
-}
 
 // Share of the squares of `before` that `after` has no more, each joint counted in its torque.
 double goneFrom(const Dataset& data, const Column& before, const Column& after) {
   const Column torque = data.driveTorque();
   double square_before = 0.0, square_after = 0.0;
   for (int joint = 0; joint < data.joints(); ++joint) {
-    const double unit = std::max(1e-12, jointOf(data, torque, joint).squaredNorm());
-    square_before += jointOf(data, before, joint).squaredNorm() / unit;
-    square_after += jointOf(data, after, joint).squaredNorm() / unit;
+    const double unit = std::max(1e-12, torque.segment(joint * data.rows(), data.rows()).squaredNorm());
+    square_before += before.segment(joint * data.rows(), data.rows()).squaredNorm() / unit;
+    square_after += after.segment(joint * data.rows(), data.rows()).squaredNorm() / unit;
   }
   return square_before > 0.0 ? 1.0 - square_after / square_before : 0.0;
-}
-
-std::string scaledTorque(const Dataset& data, const model::ModelDescription& given) {
-  const Column torque = data.driveTorque();
-  const Column residual = residualOf(data, given).residual;
-  const Column asked = torque - residual;
-  double product = 0.0, square = 0.0;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const double unit = std::max(1e-12, jointOf(data, torque, joint).squaredNorm());
-    product += jointOf(data, asked, joint).dot(jointOf(data, torque, joint)) / unit;
-    square += jointOf(data, asked, joint).squaredNorm() / unit;
-  }
-  const double factor = square > 0.0 ? product / square : 1.0;
-  if (!(factor > 0.0) || std::abs(std::log(factor)) < runaway::kTolerance) {
-    return {};
-  }
-  const Column left = torque - factor * asked;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    if (jointOf(data, left, joint).squaredNorm() >
-        (1.0 - unknown::kGoesWith) * jointOf(data, residual, joint).squaredNorm()) {
-      return {};
-    }
-  }
-  return fmt::format(
-      "{} {:.3g} times what the model as given asks for: a torque constant, a gear's ratio, a unit or the "
-      "masses may be wrong.",
-      data.joints() == 1 ? "The torque is" : "All torques are", factor);
 }
 
 std::vector<model::SerialChainParameters*> chainsOf(model::ModelDescription& model) {
@@ -73,10 +42,14 @@ std::vector<model::SerialChainParameters*> chainsOf(model::ModelDescription& mod
   return chains;
 }
 
-Column torqueUnder(const Dataset& data, model::ModelDescription model, const Eigen::Vector3d& gravity_m_s2) {
+void setGravity(model::ModelDescription& model, const Eigen::Vector3d& gravity_m_s2) {
   for (model::SerialChainParameters* chain : chainsOf(model)) {
     chain->gravity_m_s2 = gravity_m_s2;
   }
+}
+
+Column torqueUnder(const Dataset& data, model::ModelDescription model, const Eigen::Vector3d& gravity_m_s2) {
+  setGravity(model, gravity_m_s2);
   model.effects.clear();
   model::DynamicsModel dynamics = model::makeModel(model);
   return data.mechanismTorque(dynamics.mechanism(), JointVector::Zero(data.joints()));
@@ -84,133 +57,179 @@ Column torqueUnder(const Dataset& data, model::ModelDescription model, const Eig
 
 struct Explained {
   Eigen::VectorXd sizes;  ///< of the columns
+  Column torque;          ///< of the cause
   double share = 0.0;     ///< of what is missing on all joints
 };
 
-// By columns, beside what is known of the model's parameters.
-Explained explainedBy(const Dataset& data, const ModelFit& fit, const Eigen::MatrixXd& columns) {
+// By columns, and by what is `known` of the cause, beside all that the fit estimates.
+Explained explainedBy(const Dataset& data, const ModelFit& fit, const Column& known,
+                      const Eigen::MatrixXd& columns) {
   const FreeColumns free = freeColumns(fit, fit.prior_weight, columns);
+  const Column missing = fit.residual - known;
   Eigen::VectorXd wanted(free.weighted.rows());
-  wanted << fit.weighting->apply(fit.residual), fit.prior_residual;
+  wanted << fit.weighting->apply(missing), fit.prior_residual;
   const Eigen::VectorXd sizes =
       free.weighted.completeOrthogonalDecomposition().solve(wanted).cwiseQuotient(free.length);
   const Eigen::VectorXd own = sizes.tail(columns.cols());
-  const Column left = fit.residual - fit.tangent * sizes.head(fit.tangent.cols()) - columns * own;
-  return {.sizes = own, .share = goneFrom(data, fit.residual, left)};
+  const Column torque = columns * own;
+  const Column left = missing - fit.tangent * sizes.head(fit.tangent.cols()) - torque;
+  return {.sizes = own, .torque = known + torque, .share = goneFrom(data, fit.residual, left)};
 }
 
-std::string tiltedBase(const Dataset& data, const model::ModelDescription& given, const ModelFit& fit) {
-  model::ModelDescription bare = given;
-  const std::vector<model::SerialChainParameters*> chains = chainsOf(bare);
-  if (chains.empty() || data.joints() == 1) {
-    return {};
+std::vector<double> rmsOfJoints(const Dataset& data, const Column& torque) {
+  std::vector<double> rms_Nm;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    rms_Nm.push_back(jointRms(data, torque, joint));
   }
-  const Eigen::Vector3d gravity_m_s2 = chains.front()->gravity_m_s2;
-  if (gravity_m_s2.isZero(0.0)) {
-    return {};
-  }
-  const Eigen::Vector3d down = gravity_m_s2.normalized();
-  const Eigen::Vector3d first = down.unitOrthogonal();
-  const Column weightless = torqueUnder(data, bare, Eigen::Vector3d::Zero());
-  // Torque is a straight function of gravity's vector.
-  Eigen::MatrixXd tilts(weightless.size(), 2);
-  tilts.col(0) = torqueUnder(data, bare, gravity_m_s2.norm() * first) - weightless;
-  tilts.col(1) = torqueUnder(data, bare, gravity_m_s2.norm() * down.cross(first)) - weightless;
-
-  const Explained tilt = explainedBy(data, fit, tilts);
-  if (tilt.share < unknown::kGoesWith) {
-    return {};
-  }
-  return fmt::format(
-      "A base that stands {:.1f}° off the upright that the model has explains {:.0f} % of what is missing on "
-      "all "
-      "joints: check gravity_m_s2 and how the base is mounted.",
-      std::atan(tilt.sizes.norm()) * 180.0 / std::numbers::pi, kPercent * tilt.share);
+  return rms_Nm;
 }
 
-// Columns of torque that are late by a fixed time, as through one filter: less than what is refused.
-std::string lateTorque(const Dataset& data, const ModelFit& fit) {
+struct Suspicion {
+  SharedCause cause;
+  double share = 0.0;  ///< of what is missing on all joints
+};
+
+std::optional<Suspicion> tiltedBase(const Dataset& data, model::ModelDescription given, const ModelFit& fit,
+                                    double least_share) {
+  const std::vector<model::SerialChainParameters*> chains = chainsOf(given);
+  if (chains.empty() || chains.front()->gravity_m_s2.isZero(0.0)) {
+    return {};
+  }
+  const Eigen::Vector3d upright = chains.front()->gravity_m_s2.normalized();
+  const double size_m_s2 = chains.front()->gravity_m_s2.norm();
+  const auto torqueAt = [&](const Eigen::Vector3d& down) {
+    return torqueUnder(data, given, size_m_s2 * down);
+  };
+  const Column weightless = torqueAt(Eigen::Vector3d::Zero()), at_upright = torqueAt(upright);
+  Eigen::Vector3d down = upright;
+  Explained explained;
+  // Torque is a straight function of gravity's vector, whose length is kept.
+  constexpr int kStraightened = 3;
+  for (int round = 0; round == 0 || (round < kStraightened && explained.share > least_share); ++round) {
+    const Eigen::Vector3d first = down.unitOrthogonal(), second = down.cross(first);
+    Eigen::MatrixXd columns(weightless.size(), 2);
+    columns << torqueAt(first) - weightless, torqueAt(second) - weightless;
+    explained = explainedBy(data, fit, torqueAt(down) - at_upright, columns);
+    down = (down + explained.sizes[0] * first + explained.sizes[1] * second).normalized();
+  }
+  const Eigen::Vector3d gravity_m_s2 = size_m_s2 * down;
+  SharedCause cause;
+  cause.gravity_m_s2 = gravity_m_s2;
+  cause.words = fmt::format(
+      "The base stands {:.1f}° off the upright that the model has, at gravity_m_s2 = [{:.3f}, {:.3f}, "
+      "{:.3f}]: "
+      "check how it is mounted.",
+      std::acos(std::min(1.0, upright.dot(down))) * 180.0 / std::numbers::pi, gravity_m_s2.x(),
+      gravity_m_s2.y(), gravity_m_s2.z());
+  cause.torque_Nm = rmsOfJoints(data, explained.torque);
+  return Suspicion{std::move(cause), explained.share};
+}
+
+// By less than what is refused.
+std::optional<Suspicion> lateTorque(const Dataset& data, const ModelFit& fit) {
   const Column slope = data.column([](const Series& series, std::size_t i) -> JointVector {
     const auto& torque_Nm = series.measured_torque_Nm;
     const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, torque_Nm.size() - 1);
     return series.rate_Hz / static_cast<double>(after - before) * (torque_Nm[after] - torque_Nm[before]);
   });
-  const Explained late = explainedBy(data, fit, -slope);
-  if (late.share < unknown::kGoesWith || late.sizes[0] <= 0.0) {
+  const Explained explained = explainedBy(data, fit, Column::Zero(slope.size()), -slope);
+  // Drives that are late are effects of the library.
+  if (explained.sizes[0] <= 0.0) {
     return {};
   }
-  return fmt::format(
-      "Torque columns that come {:.2g} ms late explain {:.0f} % of what is missing on all joints: check "
-      "their filters "
-      "and times.",
-      1e3 * late.sizes[0], kPercent * late.share);
+  constexpr double kMilliseconds = 1e3;
+  SharedCause cause;
+  cause.torque_late_s = explained.sizes[0];
+  cause.torque_Nm = rmsOfJoints(data, explained.torque);
+  cause.words = fmt::format("All torque columns come {:.2g} ms late: check their filters and times.",
+                            kMilliseconds * cause.torque_late_s);
+  return Suspicion{std::move(cause), explained.share};
 }
 
-double shareOf(const Eigen::VectorXd& left, const Eigen::MatrixXd& columns) {
-  return 1.0 - (left - columns * columns.completeOrthogonalDecomposition().solve(left)).squaredNorm() /
-                   left.squaredNorm();
+// A cause that explains more than a share of what a fit leaves.
+std::optional<SharedCause> likeliest(const Dataset& data, const model::ModelDescription& given,
+                                     const ModelFit& fit, double least_share) {
+  std::optional<Suspicion> base = tiltedBase(data, given, fit, least_share), late = lateTorque(data, fit);
+  std::optional<Suspicion>& likelier = late && (!base || late->share > base->share) ? late : base;
+  return likelier && likelier->share > least_share ? std::optional(std::move(likelier->cause)) : std::nullopt;
 }
 
-std::string spanning(const Dataset& data, const Column& residual, int joint) {
-  const Eigen::VectorXd left = jointOf(data, residual, joint);
-  double most = unknown::kGoesWith;
-  std::string words;
-  for (const char* stem : {"q", "dq"}) {
-    const bool velocity = stem[0] == 'd';
-    const auto columnOf = [&](int of) {
-      return data.variable([=](const Series& series, std::size_t i) {
-        return velocity ? series.states[i].dq[of] : series.states[i].q[of];
-      });
-    };
-    Eigen::MatrixXd columns(data.rows(), 3);
-    columns << Eigen::VectorXd::Ones(data.rows()), columnOf(joint), Eigen::VectorXd::Zero(data.rows());
-    const double alone = shareOf(left, columns.leftCols(2));
-    for (int other = 0; other < data.joints(); ++other) {
-      if (other == joint) {
-        continue;
-      }
-      columns.col(2) = columnOf(other);
-      const double share = shareOf(left, columns);
-      // What goes with the joint's own motion spans nothing.
-      if (share > most && 1.0 - share < (1.0 - unknown::kGoesWith) * (1.0 - alone)) {
-        most = share;
-        words = fmt::format(
-            "Of what is missing on joint {0}, {1:.0f} % goes in proportion with {2}{0} and {2}{3}: something "
-            "spans "
-            "these joints.",
-            joint + 1, kPercent * share, stem, other + 1);
-      }
-    }
+// Squares of what is left on each joint, counted in its torque.
+double leftBy(const Diagnosis& diagnosis) {
+  double left = 0.0;
+  for (std::size_t joint = 0; joint < diagnosis.rests.size(); ++joint) {
+    left += std::pow(diagnosis.noise_floor_Nm[joint] / std::max(1e-12, diagnosis.rests[joint].torque_Nm), 2);
   }
-  return words;
+  return left;
+}
+
+auto assertedIn(const Diagnosis& diagnosis) {
+  return std::count_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                       [](const EffectFinding& effect) { return effect.asserted(); });
 }
 
 }  // namespace
 
-std::string sharedCause(const Dataset& data, const model::ModelDescription& given, const ModelFit& fit) {
-  if (data.isStatic() || fit.residual.isZero(0.0)) {
-    return {};
+model::ModelDescription SharedCause::takenOutOf(model::ModelDescription model) const {
+  if (gravity_m_s2) {
+    setGravity(model, *gravity_m_s2);
   }
-  if (std::string words = scaledTorque(data, given); !words.empty()) {
-    return words;
+  return model;
+}
+
+std::vector<Recording> SharedCause::takenOutOf(std::span<const Recording> recordings) const {
+  std::vector<Recording> earlier(recordings.begin(), recordings.end());
+  if (torque_late_s == 0.0) {
+    return earlier;
   }
-  if (std::string words = tiltedBase(data, given, fit); !words.empty()) {
-    return words;
-  }
-  if (std::string words = lateTorque(data, fit); !words.empty()) {
-    return words;
-  }
-  // Only where much is missing: noise goes in proportion with nothing, but a little of anything does.
-  const Column torque = data.driveTorque();
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    if (jointOf(data, fit.residual, joint).norm() >
-        unknown::kRestOfNothing * jointOf(data, torque, joint).norm()) {
-      if (std::string words = spanning(data, fit.residual, joint); !words.empty()) {
-        return words;
+  for (Recording& recording : earlier) {
+    for (std::vector<double>& column : recording.torque_Nm) {
+      for (const Segment& segment : column.empty() ? std::vector<Segment>{} : recording.segments) {
+        const std::span<double> late(column.data() + segment.first, segment.end - segment.first);
+        const auto in_time = offline::advanced(late, torque_late_s, recording.rate_Hz);
+        std::copy(in_time.begin(), in_time.end(), late.begin());
       }
     }
   }
-  return {};
+  return earlier;
+}
+
+std::optional<SharedCause> suspectedCause(const Dataset& data, const model::ModelDescription& given,
+                                          const ModelFit& nominal, const ModelFit& found,
+                                          const Diagnosis& diagnosis) {
+  if (data.isStatic() || data.joints() == 1) {
+    return {};
+  }
+  const bool much_is_left = std::any_of(
+      diagnosis.rests.begin(), diagnosis.rests.end(),
+      [](const RestOfJoint& rest) { return rest.structure_Nm > unknown::kLikeNoise * rest.noise_Nm; });
+  if (much_is_left) {
+    if (auto cause = likeliest(data, given, found, shared::kSuspected)) {
+      return cause;
+    }
+  }
+  return assertedIn(diagnosis) > 1 ? likeliest(data, given, nominal, unknown::kGoesWith) : std::nullopt;
+}
+
+bool bearsOut(const Diagnosis& taken_out, const Diagnosis& as_given) {
+  if (taken_out.verdict == Verdict::kInsufficientExcitation || taken_out.rests.empty()) {
+    return false;
+  }
+  const double left = leftBy(taken_out), before = leftBy(as_given);
+  return left < shared::kSuspected * before ||
+         (left < shared::kAsLittle * before && assertedIn(taken_out) + 1 < assertedIn(as_given));
+}
+
+Diagnosis withCauses(std::span<const SharedCause> causes, Diagnosis taken_out, const Diagnosis& before) {
+  std::string words;
+  for (const SharedCause& cause : causes) {
+    words += cause.words + " ";
+  }
+  taken_out.before = before.before;
+  taken_out.refitted = before.refitted;
+  taken_out.doubts.push_back({Doubt::kSharedCause, words + "With that taken out: " + taken_out.explanation});
+  settle(taken_out);
+  return taken_out;
 }
 
 }  // namespace patella::diagnose

@@ -1,19 +1,46 @@
-// One cause behind what the model lacks on several joints, which no effect of the library has.
+// One cause behind what the model lacks on all joints, which no effect of the library has.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "core/model/model_description.hpp"
 #include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/result/diagnosis.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace patella::diagnose {
 
-/// A sentence on a cause that alone explains unknown::kGoesWith of what is left, or nothing. In this order:
-/// - torques that are all the same multiple of what `given` asks for, beyond runaway::kTolerance
-/// - a base that stands at another angle to gravity, of chains, beside what is known of the parameters
-/// - torques that come late by the same time, as through one filter
-/// - something that spans two joints: torque in proportion with the positions, or velocities, of both
-/// `fit`: of `given`, refitted, with nothing found.
-std::string sharedCause(const Dataset& data, const model::ModelDescription& given, const ModelFit& fit);
+/// Effects of single joints imitate it. Whether it is there is told by a diagnosis that has it taken out.
+struct SharedCause {
+  std::string words;                            ///< a sentence for people
+  std::optional<Eigen::Vector3d> gravity_m_s2;  ///< of every chain, where the base stands at another angle
+  double torque_late_s = 0.0;     ///< by which all torque columns come late, as through a filter
+  std::vector<double> torque_Nm;  ///< rms of what it explains on each joint
+
+  /// What it is taken out of.
+  model::ModelDescription takenOutOf(model::ModelDescription model) const;
+  std::vector<Recording> takenOutOf(std::span<const Recording> recordings) const;
+};
+
+/// A base of chains that stands at another angle to gravity, or torque columns that all come late by the same
+/// time. Beside all that the fits estimate, it explains shared::kSuspected of what `found` leaves on all
+/// joints beyond noise, or, where several effects were found, unknown::kGoesWith of what `nominal` leaves.
+/// Nothing of a single joint, or of postures at rest.
+std::optional<SharedCause> suspectedCause(const Dataset& data, const model::ModelDescription& given,
+                                          const ModelFit& nominal, const ModelFit& found,
+                                          const Diagnosis& diagnosis);
+
+/// Whether a diagnosis with the cause taken out leaves much less than that of the recordings as they are, or
+/// as little with fewer effects.
+bool bearsOut(const Diagnosis& taken_out, const Diagnosis& as_given);
+
+/// The answer of a diagnosis that bears the last of the causes out: what the library lacks is named, and what
+/// there is beside it. `before`: with that cause in the recordings.
+Diagnosis withCauses(std::span<const SharedCause> causes, Diagnosis taken_out, const Diagnosis& before);
 
 }  // namespace patella::diagnose

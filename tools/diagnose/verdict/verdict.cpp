@@ -20,6 +20,7 @@ struct Rule {
 // In the order of the kinds.
 constexpr std::array kRules{
     Rule{Doubt::kTooPoor, Against::kEveryAnswer, Verdict::kInsufficientExcitation},
+    Rule{Doubt::kSharedCause, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kHeldOutDiffers, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kHeldOutWorse, Against::kEveryAnswer, Verdict::kUnknownEffect},
     Rule{Doubt::kRestingTorque, Against::kEveryAnswer, Verdict::kInsufficientExcitation},
