@@ -97,9 +97,9 @@ namespace torque_timing {
 inline constexpr double kTells = 0.45;
 /// Half periods by which the motion comes early: below, the torque was held …
 inline constexpr double kLeast = 0.5;
-/// … above, something else makes the motion come early.
+/// … above, and below the same distance from none, something else makes the motion come early or late.
 inline constexpr double kMost = 1.5;
-/// Standard deviations of all votes together that the half period has to be away from none.
+/// Standard deviations by which a vote, and all of them together, have to contradict the other answer.
 inline constexpr double kSure = 2.0;
 }  // namespace torque_timing
 

@@ -231,18 +231,19 @@ void fillJoints(RawRecording& raw, const Instants& instants, const std::vector<S
   const auto taken = [&](std::vector<double>& values) {
     return averaged(std::exchange(values, {}), instants);
   };
-  const Interpolation of_torque =
-      raw.torque_timing == TorqueTiming::kHeld ? Interpolation::kHold : Interpolation::kLinear;
+  // Of a held torque, too: its samples are what was asked for at their stamps, and whoever reads them makes
+  // of them what acted. Rows of the grid that repeated the sample before them would be late twice.
+  constexpr Interpolation kOfTorque = Interpolation::kLinear;
   for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
     const std::vector<double> torque = taken(raw.torque_Nm[j]);
     warnOfClipping(torque, j, recording.warnings);
-    recording.torque_Nm[j] = resampled(torque, stretches, of_torque);
+    recording.torque_Nm[j] = resampled(torque, stretches, kOfTorque);
     recording.position_rad[j] = resampled(taken(raw.position_rad[j]), stretches, Interpolation::kCubic);
     if (!raw.velocity_rad_s[j].empty()) {
       recording.velocity_rad_s[j] = resampled(taken(raw.velocity_rad_s[j]), stretches, Interpolation::kCubic);
     }
     if (!raw.commanded_Nm[j].empty()) {
-      recording.commanded_Nm[j] = resampled(taken(raw.commanded_Nm[j]), stretches, Interpolation::kHold);
+      recording.commanded_Nm[j] = resampled(taken(raw.commanded_Nm[j]), stretches, kOfTorque);
     }
     if (!raw.unknown_rad_s2[j].empty()) {
       recording.unknown_rad_s2[j] =

@@ -70,6 +70,38 @@ Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled,
   return lastCoefficients(fit.weighting->apply(columns), fit.weighting->apply(fit.residual), joints);
 }
 
+enum class Answer { kHeld, kSampled, kContradictory };
+
+// A joint that is earlier or later than either lacks something else, of which this is no test.
+Answer answerOf(const Estimates& halves) {
+  int telling = 0, voting = 0;
+  bool held = false, sampled = false;
+  double weighted = 0.0, weight = 0.0;
+  for (Eigen::Index joint = 0; joint < halves.value.size(); ++joint) {
+    const double value = halves.value[joint], deviation = halves.deviation[joint];
+    if (deviation >= torque_timing::kTells) {
+      continue;
+    }
+    ++telling;
+    if (value < torque_timing::kLeast - 1.0 || value > torque_timing::kMost) {
+      continue;
+    }
+    ++voting;
+    held = held || (value < torque_timing::kLeast && value < 1.0 - torque_timing::kSure * deviation);
+    sampled = sampled || (value >= torque_timing::kLeast && value > torque_timing::kSure * deviation);
+    weighted += value / (deviation * deviation);
+    weight += 1.0 / (deviation * deviation);
+  }
+  if (held && sampled) {
+    return Answer::kContradictory;
+  }
+  if (voting == 0 || 2 * voting < telling) {
+    return Answer::kHeld;
+  }
+  const bool sure = weighted > torque_timing::kSure * std::sqrt(weight);
+  return sure && weighted >= torque_timing::kLeast * weight ? Answer::kSampled : Answer::kHeld;
+}
+
 }  // namespace
 
 std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
@@ -82,19 +114,14 @@ std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
   }
   std::vector<Recording> other = sampled(recordings);
   const Estimates halves = halfPeriods(Dataset(recordings, {}), Dataset(other, {}), model);
-  double weighted = 0.0, weight = 0.0;
-  for (Eigen::Index joint = 0; joint < halves.value.size(); ++joint) {
-    const double value = halves.value[joint], deviation = halves.deviation[joint];
-    // A joint of which the motion says little has no vote.
-    if (deviation < torque_timing::kTells) {
-      if (value < torque_timing::kLeast || value > torque_timing::kMost) {
-        return unchanged;
-      }
-      weighted += value / (deviation * deviation);
-      weight += 1.0 / (deviation * deviation);
-    }
+  const Answer answer = answerOf(halves);
+  if (answer == Answer::kContradictory) {
+    unchanged.front().warnings.emplace_back(
+        "some joints follow their torque as if it had been held between samples, others as if it had acted "
+        "at "
+        "the sample: taken as held; --torque decides");
   }
-  if (weighted <= torque_timing::kSure * std::sqrt(weight)) {
+  if (answer != Answer::kSampled) {
     return unchanged;
   }
   other.front().warnings.emplace_back(
