@@ -104,8 +104,8 @@ std::optional<Suspicion> tiltedBase(const Dataset& data, model::ModelDescription
   Eigen::Vector3d down = upright;
   Explained explained;
   // Torque is a straight function of gravity's vector, whose length is kept.
-  constexpr int kStraightened = 3;
-  for (int round = 0; round == 0 || (round < kStraightened && explained.share > least_share); ++round) {
+  constexpr int kMostRounds = 3;
+  for (int round = 0; round == 0 || (round < kMostRounds && explained.share > least_share); ++round) {
     const Eigen::Vector3d first = down.unitOrthogonal(), second = down.cross(first);
     Eigen::MatrixXd columns(weightless.size(), 2);
     columns << torqueAt(first) - weightless, torqueAt(second) - weightless;
@@ -116,9 +116,8 @@ std::optional<Suspicion> tiltedBase(const Dataset& data, model::ModelDescription
   SharedCause cause;
   cause.gravity_m_s2 = gravity_m_s2;
   cause.words = fmt::format(
-      "The base stands {:.1f}° off the upright that the model has, at gravity_m_s2 = [{:.3f}, {:.3f}, "
-      "{:.3f}]: "
-      "check how it is mounted.",
+      "The base stands {:.1f}° off the upright that the model has, at gravity_m_s2 = "
+      "[{:.3f}, {:.3f}, {:.3f}]: check how it is mounted.",
       std::acos(std::min(1.0, upright.dot(down))) * 180.0 / std::numbers::pi, gravity_m_s2.x(),
       gravity_m_s2.y(), gravity_m_s2.z());
   cause.torque_Nm = rmsOfJoints(data, explained.torque);
@@ -137,12 +136,11 @@ std::optional<Suspicion> lateTorque(const Dataset& data, const ModelFit& fit) {
   if (explained.sizes[0] <= 0.0) {
     return {};
   }
-  constexpr double kMilliseconds = 1e3;
   SharedCause cause;
   cause.torque_late_s = explained.sizes[0];
   cause.torque_Nm = rmsOfJoints(data, explained.torque);
   cause.words = fmt::format("All torque columns come {:.2g} ms late: check their filters and times.",
-                            kMilliseconds * cause.torque_late_s);
+                            1e3 * cause.torque_late_s);
   return Suspicion{std::move(cause), explained.share};
 }
 
