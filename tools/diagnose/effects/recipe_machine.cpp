@@ -16,13 +16,15 @@ Recipe payload(const Motion& motion) {
   return recipe;
 }
 
-// Cycles per radian: from one and a half over the range to what the joint's speed keeps within the band.
+// Cycles per radian: from one and a half over the range to what is within the band while the joint is slow.
 double coarsestRipple(const Motion& motion) {
   return std::max(0.5, 1.5 / motion.position_range);
 }
 
 double finestRipple(const Motion& motion) {
-  return std::min(60.0, motion.band_Hz / (1.2 * motion.velocity_rms));
+  /// A joint that moves to and fro is slower for an eighth of the time, which a ripple needs to show in.
+  constexpr double kSlow = 1.0 / 6.0;
+  return std::min(60.0, motion.band_Hz / (kSlow * motion.velocity_rms));
 }
 
 bool rippleFits(const Motion& motion) {
