@@ -5,6 +5,10 @@
 
 namespace patella::diagnose {
 
+/// Of each joint's measured torque, N·m/s: what a delay of one second would make of it, as far as it is
+/// small.
+Column torqueRate(const Dataset& data);
+
 /// `error`, measured torque less the model's, without what each joint's drive makes of it by acting late: its
 /// part along the rate of the measured torque, where that has the sign of a late drive.
 Column besideLateness(const Dataset& data, const Column& error);

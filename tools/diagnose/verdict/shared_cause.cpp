@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/verdict.hpp"
@@ -126,12 +127,8 @@ std::optional<Suspicion> tiltedBase(const Dataset& data, model::ModelDescription
 
 // By less than what is refused.
 std::optional<Suspicion> lateTorque(const Dataset& data, const ModelFit& fit) {
-  const Column slope = data.column([](const Series& series, std::size_t i) -> JointVector {
-    const auto& torque_Nm = series.measured_torque_Nm;
-    const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, torque_Nm.size() - 1);
-    return series.rate_Hz / static_cast<double>(after - before) * (torque_Nm[after] - torque_Nm[before]);
-  });
-  const Explained explained = explainedBy(data, fit, Column::Zero(slope.size()), -slope);
+  const Column rate = torqueRate(data);
+  const Explained explained = explainedBy(data, fit, Column::Zero(rate.size()), -rate);
   // Drives that are late are effects of the library.
   if (explained.sizes[0] <= 0.0) {
     return {};
