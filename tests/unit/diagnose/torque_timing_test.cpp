@@ -49,3 +49,26 @@ TEST_CASE("whether a torque was held shows in the motion, unless somebody says")
     }
   }
 }
+
+TEST_CASE(
+    "a joint that lacks something else has no vote, and joints that contradict each other get a warning") {
+  const Case drawn = drawCase(
+      7000001, Suite::kSingle,
+      {.effect = "viscous_friction", .mechanism = "adult_leg", .motion = "multisine", .strength = 1.0});
+  Recording held = drawn.run.recording;
+  held.torque_timing_assumed = true;
+  const Recording acted = asItActed(held);
+
+  Recording late = acted;
+  std::vector<double>& torque_Nm = late.torque_Nm[1];
+  torque_Nm.insert(torque_Nm.begin(), 8, torque_Nm.front());
+  torque_Nm.resize(late.rows());
+  CHECK(timingOf(late, drawn.nominal) == TorqueTiming::kSampled);
+
+  Recording mixed = acted;
+  mixed.torque_Nm[0] = held.torque_Nm[0];
+  const auto undecided = diagnose::withTorqueTiming(std::span(&mixed, 1), drawn.nominal);
+  CHECK(undecided.front().torque_timing == TorqueTiming::kHeld);
+  REQUIRE_FALSE(undecided.front().warnings.empty());
+  CHECK(undecided.front().warnings.back().find("some joints follow their torque") != std::string::npos);
+}
