@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -161,11 +162,12 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
   }
   std::optional<SharedCause> cause;
   Diagnosis diagnosis = diagnoseTimed(timed, timed_holdout, model, options, {}, cause);
-  // Two at most: the base, and the torque columns.
+  // The base, and the torque columns: each once.
   std::vector<SharedCause> causes;
   model::ModelDescription changed = model;
-  while (cause && causes.size() < 2) {
-    causes.push_back(std::move(*cause));
+  while (cause &&
+         (causes.empty() || (causes.size() == 1 && causes.front().isOfBase() != cause->isOfBase()))) {
+    causes.push_back(*std::exchange(cause, std::nullopt));
     timed = causes.back().takenOutOf(timed);
     timed_holdout = causes.back().takenOutOf(timed_holdout);
     changed = causes.back().takenOutOf(changed);

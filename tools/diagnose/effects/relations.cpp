@@ -29,7 +29,8 @@ bool areAlike(const Recipe& one, const Recipe& other) {
   const auto tilts = [](const Recipe& recipe) {
     return recipe.kind == "encoder_offset" || recipe.kind == "linear_stiffness";
   };
-  return one.joint == other.joint && ((isTiming(one.kind) && isTiming(other.kind)) || (tilts(one) && tilts(other)));
+  return one.joint == other.joint &&
+         ((isTiming(one.kind) && isTiming(other.kind)) || (tilts(one) && tilts(other)));
 }
 
 bool contains(const Recipe& recipe, const Recipe& other) {

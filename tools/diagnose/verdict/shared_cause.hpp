@@ -22,6 +22,8 @@ struct SharedCause {
   double torque_late_s = 0.0;     ///< by which all torque columns come late, as through a filter
   std::vector<double> torque_Nm;  ///< rms of what it explains on each joint
 
+  bool isOfBase() const noexcept { return gravity_m_s2.has_value(); }
+
   /// What it is taken out of.
   model::ModelDescription takenOutOf(model::ModelDescription model) const;
   std::vector<Recording> takenOutOf(std::span<const Recording> recordings) const;
