@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/swinging_joint.hpp"
-#include "tools/bench/diagnose/cases.hpp"
 #include "tools/diagnose/diagnose.hpp"
 
 namespace patella::diagnose {
@@ -24,18 +23,6 @@ TEST_CASE("a ripple of many cycles is found with its amplitude and cycles") {
   CHECK(ripple.asserted());
   CHECK(ripple.parameters[0].value == doctest::Approx(kAmplitude_Nm).epsilon(0.05));
   CHECK(ripple.parameters[1].value == doctest::Approx(kCycles_per_rad).epsilon(0.002));
-}
-
-// A person walks: what friction of a slightly other shape leaves goes with position, too.
-TEST_CASE("a ripple whose periods are not known is possible only") {
-  const bench::Case drawn = bench::drawCase(4714000007, bench::Suite::kSingle,
-                                            {.effect = "stribeck_friction", .mechanism = "", .motion = ""});
-  const Diagnosis diagnosis = diagnose(std::span(&drawn.run.recording, 1), {}, drawn.nominal, {});
-  CHECK(diagnosis.verdict == Verdict::kEffectFound);
-  for (const EffectFinding& effect : diagnosis.effects) {
-    CAPTURE(effect.kind);
-    CHECK(effect.asserted() == (effect.kind == "stribeck_friction"));
-  }
 }
 
 }  // namespace patella::diagnose

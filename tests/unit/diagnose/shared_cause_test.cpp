@@ -16,6 +16,7 @@
 #include "tools/diagnose/diagnose.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/verdict/cause_hint.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -61,6 +62,28 @@ std::string hintAt(const Recording& recording, const ModelDescription& model) {
   return causeHint(data, model, fitter.nominal());
 }
 
+constexpr std::array kLevel_Nm{0.6, 0.8, 0.4, 0.2};
+
+/// The same with dry friction on every joint.
+ModelDescription rubbing() {
+  ModelDescription model = upright();
+  for (int joint = 0; joint < 4; ++joint) {
+    model.effects.push_back({.kind = "coulomb_friction",
+                             .joint = joint,
+                             .parameters = {kLevel_Nm[static_cast<std::size_t>(joint)], 0.02}});
+  }
+  return model;
+}
+
+Recording lateByTwoSamples(Recording recording) {
+  for (int joint = 0; joint < recording.joints; ++joint) {
+    auto& torque_Nm = recording.torque_Nm[static_cast<std::size_t>(joint)];
+    torque_Nm.insert(torque_Nm.begin(), 2, torque_Nm.front());
+    torque_Nm.resize(recording.rows());
+  }
+  return recording;
+}
+
 TEST_CASE("a base that is tilted is named with its angle") {
   ModelDescription truth = upright();
   const double angle_rad = 8.0 * kPi / 180.0;
@@ -88,19 +111,8 @@ TEST_CASE("torques that are all in another scale are told, and not that nothing 
 }
 
 TEST_CASE("friction of every joint is named beside torque columns that come late, and beside a tilted base") {
-  constexpr std::array kLevel_Nm{0.6, 0.8, 0.4, 0.2};
-  ModelDescription truth = upright();
-  for (int joint = 0; joint < 4; ++joint) {
-    truth.effects.push_back({.kind = "coulomb_friction",
-                             .joint = joint,
-                             .parameters = {kLevel_Nm[static_cast<std::size_t>(joint)], 0.02}});
-  }
-  Recording late = moved(truth, 30.0, 0.02);
-  for (std::size_t joint = 0; joint < kLevel_Nm.size(); ++joint) {
-    auto& torque_Nm = late.torque_Nm[joint];
-    torque_Nm.insert(torque_Nm.begin(), 2, torque_Nm.front());
-    torque_Nm.resize(late.rows());
-  }
+  ModelDescription truth = rubbing();
+  const Recording late = lateByTwoSamples(moved(truth, 30.0, 0.02));
   const double angle_rad = 4.0 * kPi / 180.0;
   std::get<model::SerialChainParameters>(truth.mechanism).gravity_m_s2 = {0.0, 9.81 * std::sin(angle_rad),
                                                                           -9.81 * std::cos(angle_rad)};
@@ -117,6 +129,40 @@ TEST_CASE("friction of every joint is named beside torque columns that come late
       CHECK(effect.parameters[0].value ==
             doctest::Approx(kLevel_Nm[static_cast<std::size_t>(effect.joint)]).epsilon(0.03));
     }
+  }
+}
+
+TEST_CASE("a tilted base and late torque columns are both named, each once") {
+  ModelDescription truth = upright();
+  truth.effects.push_back({.kind = "coulomb_friction", .joint = 1, .parameters = {0.8, 0.02}});
+  const double angle_rad = 4.0 * kPi / 180.0;
+  std::get<model::SerialChainParameters>(truth.mechanism).gravity_m_s2 = {0.0, 9.81 * std::sin(angle_rad),
+                                                                          -9.81 * std::cos(angle_rad)};
+  const Diagnosis diagnosis = diagnosed(lateByTwoSamples(moved(truth, 30.0, 0.02)), upright());
+  CHECK(numberBehind(diagnosis, "All torque columns come ") == doctest::Approx(10.0).epsilon(0.05));
+  CHECK(numberBehind(diagnosis, "The base stands ") == doctest::Approx(4.0).epsilon(0.05));
+  REQUIRE(diagnosis.effects.size() == 1);
+  CHECK(diagnosis.effects.front().kind == "coulomb_friction");
+  CHECK(diagnosis.effects.front().asserted());
+  CHECK(diagnosis.effects.front().parameters[0].value == doctest::Approx(0.8).epsilon(0.03));
+}
+
+TEST_CASE("what a filter does beyond a delay asserts no effect") {
+  Recording recording = moved(rubbing(), 30.0, 0.02);
+  const double share = 1.0 - std::exp(-2.0 * kPi * 15.0 / recording.rate_Hz);
+  for (int joint = 0; joint < recording.joints; ++joint) {
+    auto& torque_Nm = recording.torque_Nm[static_cast<std::size_t>(joint)];
+    for (std::size_t i = 1; i < torque_Nm.size(); ++i) {
+      torque_Nm[i] = torque_Nm[i - 1] + share * (torque_Nm[i] - torque_Nm[i - 1]);
+    }
+  }
+  const Diagnosis diagnosis = diagnosed(recording, upright());
+  CHECK(says(diagnosis, "All torque columns come"));
+  CHECK(diagnosis.effects.size() > kLevel_Nm.size());
+  for (const EffectFinding& effect : diagnosis.effects) {
+    CAPTURE(effect.kind);
+    const bool is_friction = effect.kind == "coulomb_friction";
+    CHECK(effect.not_asserted_because == (is_friction ? "" : kMayBeOfCauseWords));
   }
 }
 

@@ -186,3 +186,14 @@ TEST_CASE("a reflex whose delay stands where the search ends may be another effe
   reflex.parameters[0].at_bound = true;
   CHECK_FALSE(mayBeAnother(reflex));
 }
+
+TEST_CASE("a ripple that may have half a period more over the joint's range is not known") {
+  EffectFinding ripple;
+  ripple.kind = "torque_ripple";
+  ripple.parameters = {{.name = "amplitude_Nm", .value = 0.1, .ci95 = {0.09, 0.11}},
+                       {.name = "cycles_per_rad", .value = 15.0, .ci95 = {14.7, 15.3}}};
+  CHECK(periodsAreUnknown(ripple, 2.0));
+  CHECK_FALSE(periodsAreUnknown(ripple, 1.5));
+  ripple.parameters.pop_back();
+  CHECK_FALSE(periodsAreUnknown(ripple, 2.0));
+}

@@ -12,8 +12,6 @@ namespace patella::diagnose {
 
 /// Text after "possibly: " for an effect that is not asserted.
 inline constexpr const char* kOutweighedWords = "it explains less than what nothing explains";
-inline constexpr const char* kUnknownPeriodsWords =
-    "how many periods it has over the joint's range the recording does not tell";
 inline constexpr const char* kMayBeOfCauseWords =
     "it explains no more than the cause may leave that all joints share";
 

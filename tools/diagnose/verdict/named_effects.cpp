@@ -155,17 +155,6 @@ bool mayBeTiming(const EffectFinding& effect, std::span<const Recording> recordi
          });
 }
 
-// Whether a ripple may have half a period more over the joint's range, or less: it bends then as it likes.
-bool periodsAreUnknown(const EffectFinding& effect, const Dataset& data) {
-  const auto cycles =
-      std::find_if(effect.parameters.begin(), effect.parameters.end(),
-                   [](const ParameterEstimate& estimate) { return estimate.name == "cycles_per_rad"; });
-  if (cycles == effect.parameters.end()) {
-    return false;
-  }
-  return 0.5 * (cycles->ci95[1] - cycles->ci95[0]) * rangeOf(data, effect.joint) > 0.5;
-}
-
 }  // namespace
 
 void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, const UnexplainedRest& rest,
@@ -209,7 +198,7 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
       effect.not_asserted_because = kMayBeTimingWords;
     } else if (effect.asserted() && mayBeOfCause(effect, cause_Nm, data, found)) {
       effect.not_asserted_because = kMayBeOfCauseWords;
-    } else if (effect.asserted() && periodsAreUnknown(effect, data)) {
+    } else if (effect.asserted() && periodsAreUnknown(effect, rangeOf(data, effect.joint))) {
       effect.not_asserted_because = kUnknownPeriodsWords;
     } else if (effect.asserted() && mayBeAnother(effect)) {
       effect.not_asserted_because = kMayBeAnotherWords;

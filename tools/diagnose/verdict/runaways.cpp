@@ -218,6 +218,14 @@ bool strengthIsUnknown(const EffectFinding& effect) {
   return true;
 }
 
+bool periodsAreUnknown(const EffectFinding& effect, double joint_range) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [=](const ParameterEstimate& estimate) {
+                       return estimate.name == "cycles_per_rad" &&
+                              0.5 * (estimate.ci95[1] - estimate.ci95[0]) * joint_range > 0.5;
+                     });
+}
+
 bool mayBeAnother(const EffectFinding& effect) {
   return std::any_of(effect.parameters.begin(), effect.parameters.end(), [&](const auto& estimate) {
     return estimate.at_bound && estimate.name == effectHome(effect.kind).distinguished_by;

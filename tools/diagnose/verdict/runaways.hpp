@@ -16,6 +16,14 @@ inline constexpr const char* kUnknownStrengthWords = "how large it is the record
 bool strengthIsUnknown(const EffectFinding& effect);
 
 /// Text after "possibly: ", likewise.
+inline constexpr const char* kUnknownPeriodsWords =
+    "how many periods it has over the joint's range the recording does not tell";
+
+/// Whether a ripple may have half a period more over the joint's range (rad or m), or less: it bends as it
+/// likes then. False of every other effect.
+bool periodsAreUnknown(const EffectFinding& effect, double joint_range);
+
+/// Text after "possibly: ", likewise.
 inline constexpr const char* kMayBeAnotherWords =
     "what distinguishes it from other effects of the same variable stands where the search ends";
 
