@@ -13,12 +13,14 @@
 #include "tools/diagnose/fit/torque_timing.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/search/late_drive.hpp"
 #include "tools/diagnose/search/missing_effects.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/before_and_after.hpp"
 #include "tools/diagnose/verdict/cause_hint.hpp"
 #include "tools/diagnose/verdict/consistency.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
+#include "tools/diagnose/verdict/findings.hpp"
 #include "tools/diagnose/verdict/material_rest.hpp"
 #include "tools/diagnose/verdict/named_effects.hpp"
 #include "tools/diagnose/verdict/plainer_effects.hpp"
@@ -88,6 +90,14 @@ void warnOfRest(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
   }
 }
 
+// The nominal parameters may have explained what the user looks for.
+void nameTakenUp(Diagnosis& diagnosis) {
+  if (const std::string words = takenUpWithinTolerance(diagnosis);
+      !words.empty() && diagnosis.verdict != Verdict::kInsufficientExcitation) {
+    diagnosis.explanation += " " + words;
+  }
+}
+
 // From recordings that can be of this machine, and the time at which their torque acted. `suspected`: a cause
 // that all joints share. `cause_Nm`: of one that was taken out, on each joint.
 Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const Recording> holdout,
@@ -144,7 +154,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   }
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   nameResized(diagnosis);
-  suspected = suspectedCause(train, model, found.nominal, fit, diagnosis);
+  nameTakenUp(diagnosis);
+  suspected = suspectedCause(train, leastLateness_s(recordings), model, found.nominal, fit, diagnosis);
   return diagnosis;
 }
 

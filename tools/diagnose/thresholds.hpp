@@ -439,6 +439,9 @@ inline constexpr double kTouches = 1e-3;
 inline constexpr double kNothingLeft = 0.01;
 /// Error over torque from which on the drives rested, so that there is nothing to compare.
 inline constexpr double kNoTorque = 1e4;
+/// Share of the error of the model as given that its parameters may leave, moved within their tolerances,
+/// before that is said: more than half of it was theirs.
+inline constexpr double kTookUp = 0.5;
 }  // namespace runaway
 
 }  // namespace patella::diagnose

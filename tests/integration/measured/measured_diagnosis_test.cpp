@@ -74,6 +74,10 @@ void checkAxis(const Diagnosis& diagnosis, const diagnose::Recording& recording)
   CHECK(one < 200.0);
   CHECK(other > 1.2 * one);
   CHECK(other < 1.7 * one);
+  // Its maker's identification has 20.4 N.
+  for (const char* level : {"level_positive_Nm", "level_negative_Nm"}) {
+    CHECK(value(friction, level) == doctest::Approx(20.0).epsilon(0.15));
+  }
   const EffectFinding* lag = find(diagnosis, "actuator_lag", 0);
   const EffectFinding* late = lag != nullptr ? lag : find(diagnosis, "actuator_delay", 0);
   REQUIRE(late != nullptr);
@@ -86,8 +90,8 @@ void checkAxis(const Diagnosis& diagnosis, const diagnose::Recording& recording)
   CHECK(refusedForSign(diagnosis, "stribeck_friction@1", "stribeck_level_Nm"));
 
   const study::RelativeError error = study::relativeError(recording, diagnosis.extended, 0.7);
-  CHECK(error.train_percent < 2.3);
-  CHECK(error.heldout_percent < 2.5);
+  CHECK(error.train_percent < 2.5);
+  CHECK(error.heldout_percent < 2.7);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/unit/diagnose/chain_recordings.hpp"
+#include "tests/unit/diagnose/swinging_arm.hpp"
 #include "tools/bench/diagnose/cases.hpp"
 
 using namespace patella;
@@ -71,4 +73,12 @@ TEST_CASE(
   CHECK(undecided.front().torque_timing == TorqueTiming::kHeld);
   REQUIRE_FALSE(undecided.front().warnings.empty());
   CHECK(undecided.front().warnings.back().find("some joints follow their torque") != std::string::npos);
+}
+
+TEST_CASE("noise of the torque does not make a sampled one look held") {
+  constexpr double kNoise_Nm = 0.15;  // a tenth of the first joint's torque
+  Recording noisy = diagnose::moved(diagnose::arm(), 30.0, kNoise_Nm);
+  noisy.torque_timing = TorqueTiming::kHeld;
+  noisy.torque_timing_assumed = true;
+  CHECK(timingOf(noisy, diagnose::arm()) == TorqueTiming::kSampled);
 }

@@ -36,16 +36,27 @@ TEST_CASE("an answer has the verdict, parameters, rivals, errors and the way to 
   }
 }
 
-TEST_CASE("an answer has seventeen lines at most") {
+TEST_CASE("an answer has what is asserted before what is possible, and seventeen lines where little is") {
   diagnose::Diagnosis many = test::madeUpDiagnosis();
-  many.effects.resize(9, many.effects.front());
+  const diagnose::EffectFinding asserted = many.effects.front();
+  many.effects.resize(9, asserted);
   many.warnings.resize(20, "something");
   many.runaways.resize(9, many.runaways.front());
+  for (std::size_t i = 0; i < 8; ++i) {
+    many.effects[i].not_asserted_because = "of a reason";
+  }
   const std::string text = answer(many);
   CHECK(std::count(text.begin(), text.end(), '\n') == 17);
-  CHECK(text.find("and 5 more\n") != std::string::npos);
+  CHECK(text.find("and 5 more that are possible, in the report\n") != std::string::npos);
   CHECK(text.find("; and 5 more in the report\n") != std::string::npos);
   CHECK(text.find("and 17 more in the report") != std::string::npos);
+  const std::size_t first = text.find("\n  linear stiffness on joint");
+  CHECK(text.substr(first, text.find('\n', first + 1) - first).find("possibly") == std::string::npos);
+
+  many.effects.assign(9, asserted);
+  const std::string all = answer(many);
+  CHECK(all.find("that are possible") == std::string::npos);
+  CHECK(std::count(all.begin(), all.end(), '\n') == 17 + 9 - 5);
 }
 
 TEST_CASE("an answer of a motion that was too poor has the command that plans a better one") {

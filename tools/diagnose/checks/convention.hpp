@@ -26,6 +26,7 @@ enum class ConventionKind {
   kAbsoluteAngle,     ///< of the second joint, where it should count from the first link
   kZero,              ///< of an angle; of the first joint by π: gravity's sign
   kTorqueShift,       ///< in time, against the position
+  kMounting,          ///< angle of the base to gravity
   kTwo,               ///< two of these at once
 };
 

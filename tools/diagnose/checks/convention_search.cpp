@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/checks/convention_pairs.hpp"
+#include "tools/diagnose/checks/mounting.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -138,6 +139,21 @@ std::string told(std::span<const Convention> conventions) {
   return look;
 }
 
+// A base at another angle turns gravity, as zeros and units of angles may, and where it explains as much it
+// is named beside them. By little it is a cause that a diagnosis takes out.
+void addMounting(const Dataset& data, const model::ModelDescription& model, const Reading& given,
+                 std::vector<ReadAs>& wrong) {
+  if (wrong.empty() &&
+      std::none_of(given.error.begin(), given.error.end(), [](double error) { return error > kFarOff; })) {
+    return;
+  }
+  if (std::optional<ReadAs> mounting = bestMounting(data, model, given);
+      mounting && isBelieved(*mounting, given)) {
+    wrong.push_back(std::move(*mounting));
+    keepBest(wrong, given);
+  }
+}
+
 bool isShift(const ReadAs& one) {
   return anyPart(one.convention,
                  [](const Convention& part) { return part.kind == ConventionKind::kTorqueShift; });
@@ -244,9 +260,11 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
 }
 
 void requireConventions(const Recording& recording, const model::ModelDescription& model) {
-  Reader reader(Dataset(std::span(&recording, 1), kCoarse), model);
+  const Dataset data(std::span(&recording, 1), kCoarse);
+  Reader reader(data, model);
   const Reading given = reader.asGiven();
-  const std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
+  std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
+  addMounting(data, model, given, wrong);
   if (wrong.empty()) {
     return;
   }

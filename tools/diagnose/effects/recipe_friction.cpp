@@ -89,7 +89,13 @@ std::vector<EffectHome> frictionEffects() {
        .add =
            [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
              all.push_back(single("coulomb_friction", motion, "level_Nm", true, motion.smoothing_rad_s));
-             all.push_back(gradualFriction(motion, motion.smoothing_rad_s));
+             if (Recipe gradual = gradualFriction(motion, motion.smoothing_rad_s);
+                 gradual.nonlinear[0].lower < gradual.grid.back()[0]) {
+               std::erase_if(gradual.grid, [&](const std::vector<double>& nu) {
+                 return nu[0] <= gradual.nonlinear[0].lower;
+               });
+               all.push_back(std::move(gradual));
+             }
            }},
       {.kind = "asymmetric_friction",
        .what = "Dry and viscous friction that differ between the directions.",

@@ -51,9 +51,9 @@ class MechanismParameters {
   Eigen::MatrixXd baseSlopes(std::span<const double> z) const;
 };
 
-/// Where no joint is driven (`keeps_scale`), masses, moments and inertias larger by one factor move alike,
-/// and smaller ones leave less torque unexplained: then their scale, the length of the base parameters in
-/// units of their spread, stays what it is.
+/// Where no joint is driven, or by little beside what swings (`keeps_scale`), masses, moments and inertias
+/// larger by one factor move alike, and smaller ones leave less torque unexplained: then their scale, the
+/// length of the base parameters in units of their spread, stays what it is.
 std::unique_ptr<MechanismParameters> mechanismParameters(const model::MechanismDescription& nominal,
                                                          bool keeps_scale);
 

@@ -112,6 +112,21 @@ class ModelFitter::Cost final : public ceres::CostFunction {
   Eigen::Index priors_;
 };
 
+namespace {
+
+// Whether gravity and inertia balance each other, up to what machines leave of their models. What the balance
+// is off by is then the model's error, which grows with the masses, and not a torque that tells them.
+bool swingsFreely(const Dataset& data, const Eigen::MatrixXd& regressor, const model::BaseParameters& base) {
+  const Column torque = regressor * base;
+  double squares = 0.0;
+  for (const double term_Nm : loads_Nm(data, Column::Zero(torque.size()), regressor, base)) {
+    squares += term_Nm * term_Nm * static_cast<double>(data.rows());
+  }
+  return torque.squaredNorm() < std::pow(convention::kAsMachines, 2) * squares;
+}
+
+}  // namespace
+
 ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nominal,
                          const FitOptions& options)
     : data_(&data),
@@ -120,8 +135,10 @@ ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nom
       options_(options) {
   regressor_ = data.regressor(bare_.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
-  mechanism_ = mechanismParameters(nominal.mechanism, torque_.isZero(0.0));
-  for (const double load_Nm : loads_Nm(data, torque_, regressor_, bare_.mechanism().baseParameters())) {
+  const model::BaseParameters base = bare_.mechanism().baseParameters();
+  mechanism_ =
+      mechanismParameters(nominal.mechanism, torque_.isZero(0.0) || swingsFreely(data, regressor_, base));
+  for (const double load_Nm : loads_Nm(data, torque_, regressor_, base)) {
     least_torque_Nm_.push_back(accepted::kLeastOfLoad * load_Nm);
   }
   fixed_torque_ = Eigen::VectorXd::Zero(torque_.size());

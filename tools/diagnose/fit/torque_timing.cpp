@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Dense>
+#include <fmt/format.h>
 
 #include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -49,9 +52,22 @@ Estimates lastCoefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd
           .deviation = (variance * inverse.diagonal()).cwiseSqrt().cwiseQuotient(unit)};
 }
 
+// What a held torque is late by, half a period, makes of a torque; as a Column.
+Column heldLessSampled(const Dataset& data, std::span<const Recording> recordings, const Column& torque) {
+  Column apart = rateOf(data, torque);
+  for (const Block& block : data.blocks()) {
+    for (int joint = 0; joint < data.joints(); ++joint) {
+      apart.segment(joint * data.rows() + block.first, block.end - block.first) *=
+          -0.5 / recordings[block.recording].rate_Hz;
+    }
+  }
+  return apart;
+}
+
 // Half periods by which each joint's torque comes early, beside all that could be missing in its simplest
-// forms.
-Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled,
+// forms. How fast the torque changes is told by these and by the model: the noise of what was measured
+// changes faster, and goes with no motion.
+Estimates halfPeriods(const Dataset& as_held, std::span<const Recording> recordings,
                       const model::ModelDescription& model) {
   ModelFitter fitter(as_held, model, {});
   const ModelFit fit = fitter.nominal();
@@ -63,14 +79,25 @@ Estimates halfPeriods(const Dataset& as_held, const Dataset& as_sampled,
   for (Eigen::Index i = 0; i < simple; ++i) {
     columns.col(known + i) = plain[static_cast<std::size_t>(i)].torque;
   }
-  const Column apart = as_held.driveTorque() - as_sampled.driveTorque();
+  const Eigen::MatrixXd others = columns.leftCols(known + simple);
+  const Eigen::MatrixXd weighted = fit.weighting->apply(others);
+  const Eigen::VectorXd length = weighted.colwise().norm().cwiseMax(1e-300);
+  const Eigen::VectorXd missing = (weighted * length.cwiseInverse().asDiagonal())
+                                      .completeOrthogonalDecomposition()
+                                      .solve(fit.weighting->apply(fit.residual))
+                                      .cwiseQuotient(length);
+  const Column apart =
+      heldLessSampled(as_held, recordings, as_held.driveTorque() - fit.residual + others * missing);
   for (Eigen::Index joint = 0; joint < joints; ++joint) {
     columns.col(known + simple + joint).segment(joint * rows, rows) = apart.segment(joint * rows, rows);
   }
   return lastCoefficients(fit.weighting->apply(columns), fit.weighting->apply(fit.residual), joints);
 }
 
-enum class Answer { kHeld, kSampled, kContradictory };
+struct Answer {
+  bool sampled = false;
+  bool contradictory = false;
+};
 
 // A joint that is earlier or later than either lacks something else, of which this is no test.
 Answer answerOf(const Estimates& halves) {
@@ -92,14 +119,9 @@ Answer answerOf(const Estimates& halves) {
     weighted += value / (deviation * deviation);
     weight += 1.0 / (deviation * deviation);
   }
-  if (held && sampled) {
-    return Answer::kContradictory;
-  }
-  if (voting == 0 || 2 * voting < telling) {
-    return Answer::kHeld;
-  }
-  const bool sure = weighted > torque_timing::kSure * std::sqrt(weight);
-  return sure && weighted >= torque_timing::kLeast * weight ? Answer::kSampled : Answer::kHeld;
+  const bool sure =
+      voting > 0 && 2 * voting >= telling && weighted > torque_timing::kSure * std::sqrt(weight);
+  return {.sampled = sure && weighted >= torque_timing::kLeast * weight, .contradictory = held && sampled};
 }
 
 }  // namespace
@@ -113,22 +135,22 @@ std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
     return unchanged;
   }
   std::vector<Recording> other = sampled(recordings);
-  const Estimates halves = halfPeriods(Dataset(recordings, {}), Dataset(other, {}), model);
+  const Estimates halves = halfPeriods(Dataset(recordings, {}), recordings, model);
   const Answer answer = answerOf(halves);
-  if (answer == Answer::kContradictory) {
-    unchanged.front().warnings.emplace_back(
-        "some joints follow their torque as if it had been held between samples, others as if it had acted "
-        "at "
-        "the sample: taken as held; --torque decides");
+  std::vector<Recording>& chosen = answer.sampled ? other : unchanged;
+  if (answer.contradictory) {
+    chosen.front().warnings.push_back(
+        fmt::format("some joints follow their torque as if it had been held between samples, others as if it "
+                    "had acted at the "
+                    "sample: taken as {}, which most of them say; --torque decides",
+                    answer.sampled ? "what acted at the sample" : "held"));
+  } else if (answer.sampled) {
+    chosen.front().warnings.emplace_back(
+        "the motion follows the torque too early for one that was held between samples: taken as what acted "
+        "at the "
+        "sample; --torque decides");
   }
-  if (answer != Answer::kSampled) {
-    return unchanged;
-  }
-  other.front().warnings.emplace_back(
-      "the motion follows the torque too early for one that was held between samples: taken as what acted at "
-      "the "
-      "sample; --torque decides");
-  return other;
+  return std::move(chosen);
 }
 
 }  // namespace patella::diagnose

@@ -11,8 +11,9 @@ namespace patella::diagnose {
 
 /// A held torque acts half a period later than its sample, on the mean. Returns the recordings with
 /// TorqueTiming::kSampled, and a warning that says so, where the motion follows the torque without that half:
-/// half a period too early on the mean of the joints that tell. Joints that contradict each other get a
-/// warning. Unchanged where the timing was told, or nothing speaks against a held torque.
+/// half a period too early on the mean of the joints that tell, which decides where joints contradict each
+/// other, too; that gets a warning of its own. Unchanged where the timing was told, or nothing speaks against
+/// a held torque.
 std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
                                         const model::ModelDescription& model);
 

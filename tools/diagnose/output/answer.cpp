@@ -95,17 +95,26 @@ std::string errorLine(const Diagnosis& diagnosis, std::size_t joint) {
                      numberAt(diagnosis.noise_floor_Nm, joint));
 }
 
+void printEffects(const Diagnosis& diagnosis, std::ostream& out) {
+  // Asserted ones first, and all of them.
+  std::vector<EffectFinding> effects = diagnosis.effects;
+  const auto possible = std::stable_partition(effects.begin(), effects.end(),
+                                              [](const EffectFinding& effect) { return effect.asserted(); });
+  const auto asserted = static_cast<std::size_t>(possible - effects.begin());
+  const std::size_t shown = std::min(effects.size(), std::max(kShownEffects, asserted));
+  for (std::size_t i = 0; i < shown; ++i) {
+    out << effectLine(effects[i], unitsOf(diagnosis, effects[i].joint)) << "\n";
+  }
+  if (effects.size() > shown) {
+    out << "  and " << effects.size() - shown << " more that are possible, in the report\n";
+  }
+}
+
 }  // namespace
 
 void printAnswer(const Diagnosis& diagnosis, const std::filesystem::path& folder, std::ostream& out) {
   out << verdictWords(diagnosis.verdict) << ". " << diagnosis.explanation << "\n";
-  const std::size_t shown = std::min(diagnosis.effects.size(), kShownEffects);
-  for (std::size_t i = 0; i < shown; ++i) {
-    out << effectLine(diagnosis.effects[i], unitsOf(diagnosis, diagnosis.effects[i].joint)) << "\n";
-  }
-  if (diagnosis.effects.size() > shown) {
-    out << "  and " << diagnosis.effects.size() - shown << " more\n";
-  }
+  printEffects(diagnosis, out);
   for (const std::string& line : refusedLines(diagnosis)) {
     out << line << "\n";
   }

@@ -62,7 +62,8 @@ std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& m
     const auto j = static_cast<std::size_t>(joint);
     rests.push_back({.torque_Nm = driven[j] ? rms(data, torque, joint) : loads[j],
                      .left_Nm = rms(data, left, joint),
-                     .noise_Nm = noise_Nm[j]});
+                     .noise_Nm = noise_Nm[j],
+                     .driven = driven[j]});
   }
   return rests;
 }

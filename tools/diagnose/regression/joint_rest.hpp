@@ -14,6 +14,7 @@ struct JointRest {
   double torque_Nm = 0.0;  ///< of the drive; of the load that the model has, where the joint is not driven
   double left_Nm = 0.0;    ///< what the model leaves with everything that was found
   double noise_Nm = 0.0;   ///< what sensors and declared pushes make
+  bool driven = true;      ///< its torque is more than a sensor's zero beside the load
   double structure_Nm() const noexcept;  ///< what is left beyond noise
   /// More than this share of the torque is left beyond noise.
   bool exceeds(double share) const noexcept;

@@ -33,7 +33,7 @@ struct Doubt {
     kRestingTorque,       ///< encoder and torque of a joint at rest contradict each other
     kRecordingsDisagree,  ///< recordings that were diagnosed together have no common answer
     kUnexplained,         ///< what is left bends like no effect of the library
-    kOutweighed,          ///< effects were found, but each explains less than what nothing explains
+    kOutweighed,          ///< effects were found, but what stays unexplained is as large as each
     kSingleSinusoids,     ///< several effects were found under single sinusoids
     kJointUnexplained,    ///< much more is left than that on a joint on which no effect is asserted
     kLargeRest,           ///< much more is left than sensors and declared pushes make

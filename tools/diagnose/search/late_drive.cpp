@@ -56,13 +56,13 @@ std::vector<std::shared_ptr<const Recipe>> byWholeTorque(
   return changed;
 }
 
-double lowestRate_Hz(std::span<const Recording> recordings) {
-  return std::min_element(recordings.begin(), recordings.end(),
-                          [](const Recording& a, const Recording& b) { return a.rate_Hz < b.rate_Hz; })
-      ->rate_Hz;
-}
-
 }  // namespace
+
+double leastLateness_s(std::span<const Recording> recordings) {
+  const auto slowest = std::min_element(recordings.begin(), recordings.end(),
+                                        [](const auto& a, const auto& b) { return a.rate_Hz < b.rate_Hz; });
+  return late_drive::kLeastPeriods / slowest->rate_Hz;
+}
 
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
                                       const model::ModelDescription& explained, std::span<const int> joints,
@@ -105,11 +105,10 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
     }
     const Eigen::MatrixXd covariance =
         parameterCovariance(data, found.fit, selection.replicates, selection.seed);
-    const double least_s = late_drive::kLeastPeriods / lowestRate_Hz(recordings);
     late.push_back({.effect = {.kind = term.recipe->kind, .joint = joint, .parameters = parameters},
                     .estimate = estimates(found.fit, covariance, found.fit.terms.size() - 1).front(),
                     .evidence = found.evidence.back(),
-                    .may_be_timing = parameters.front() < least_s});
+                    .may_be_timing = parameters.front() < leastLateness_s(recordings)});
   }
   return late;
 }

@@ -24,6 +24,10 @@ struct LateDrive {
 inline constexpr const char* kMayBeTimingWords =
     "it is late by less than half a sample, and when in a sample a row was read is not known";
 
+/// Torque that is late by less may as well have been read so: when within a period the columns of a row were
+/// taken is hardly ever known.
+double leastLateness_s(std::span<const Recording> recordings);
+
 /// Delays and lags of the drives of `joints` that show beside what `explained` has, through every gate of a
 /// selection, on joints whose torque `explained` leaves little of. Friction and all else that `explained` has
 /// may move within what a fit allows declared effects. What `resting` joints do at rest does not count.

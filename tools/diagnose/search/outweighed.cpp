@@ -58,15 +58,10 @@ bool isPartOfFunction(const std::vector<FreeFunction>& functions, std::size_t te
                      [term](const FreeFunction& function) { return function.holds(term); });
 }
 
-}  // namespace
-
-double overRest(ModelFitter& fitter, const ModelFit& with, const ModelFit& without,
-                std::span<const double> noise_Nm) {
-  return mostOverRest(leftBy(fitter, with), leftBy(fitter, without), noise_Nm);
-}
-
-std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selection,
-                                            std::span<const double> noise_Nm) {
+// The terms of one joint, the least one first: what it explained is left from then on. What may not be named
+// on other joints is left where it is, as something explains it.
+std::vector<const Recipe*> outweighedOn(int joint, ModelFitter& fitter, Selection selection,
+                                        std::span<const double> noise_Nm) {
   std::vector<const Recipe*> outweighed;
   for (;;) {
     const Joints with = leftBy(fitter, selection.fit);
@@ -75,17 +70,18 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
     std::optional<Selection> best;
     const Recipe* recipe = nullptr;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
-      if (selection.fit.terms[t].declared || isPartOfFunction(functions, t)) {
+      const Term& term = selection.fit.terms[t];
+      if (term.recipe->joint != joint || term.declared || isPartOfFunction(functions, t)) {
         continue;
       }
       Selection smaller = withoutTerm(fitter, selection, t);
       const ModelFit without =
-          withinTolerance(smaller.fit, selection.fit.terms[t].replaced, fitter.options().declared_tolerance);
+          withinTolerance(smaller.fit, term.replaced, fitter.options().declared_tolerance);
       const double over = mostOverRest(with, leftBy(fitter, without), noise_Nm);
       if (over < least) {
         least = over;
         best = std::move(smaller);
-        recipe = selection.fit.terms[t].recipe.get();
+        recipe = term.recipe.get();
       }
     }
     if (!best) {
@@ -94,6 +90,24 @@ std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selec
     outweighed.push_back(recipe);
     selection = std::move(*best);
   }
+}
+
+}  // namespace
+
+double overRest(ModelFitter& fitter, const ModelFit& with, const ModelFit& without,
+                std::span<const double> noise_Nm) {
+  return mostOverRest(leftBy(fitter, with), leftBy(fitter, without), noise_Nm);
+}
+
+std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, const Selection& selection,
+                                            std::span<const double> noise_Nm) {
+  std::vector<const Recipe*> outweighed;
+  for (int joint = 0; joint < fitter.data().joints(); ++joint) {
+    for (const Recipe* recipe : outweighedOn(joint, fitter, selection, noise_Nm)) {
+      outweighed.push_back(recipe);
+    }
+  }
+  return outweighed;
 }
 
 }  // namespace patella::diagnose

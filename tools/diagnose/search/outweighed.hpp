@@ -15,10 +15,10 @@ double overRest(ModelFitter& fitter, const ModelFit& with, const ModelFit& witho
                 std::span<const double> noise_Nm);
 
 /// Recipes of the found terms that explain less by themselves than asserted::kOverRest of what nothing
-/// explains, beside those that explain more: such a term may be a part of something else. What a declared
-/// effect in whose place it stands explains within its tolerance is not the term's. Parts of a free function
-/// (freeFunctions()) are none.
-std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, Selection selection,
+/// explains, beside those that explain more: such a term may be a part of something else. Each joint is
+/// judged for itself. What a declared effect in whose place it stands explains within its tolerance is not
+/// the term's. Parts of a free function (freeFunctions()) are none.
+std::vector<const Recipe*> outweighedByRest(ModelFitter& fitter, const Selection& selection,
                                             std::span<const double> noise_Nm);
 
 }  // namespace patella::diagnose

@@ -92,12 +92,19 @@ bool growsWithTorque(const ErrorMeasure& error, std::size_t joint, double fitted
          unseen_Nm * of_fitted_Nm < held_out::kOutOfProportion * fitted_Nm * of_unseen_Nm;
 }
 
+// Nobody misses less.
+bool isNextToNothing(const ErrorMeasure& error, std::size_t joint, double unseen_Nm) {
+  return unseen_Nm <
+         unknown::kLeastOfLoad * torqueOf(error.heldout_rms_Nm[joint], error.heldout_relative[joint]);
+}
+
 // An event of the held-out part alone has left no trace in the fitted one.
 void compareParts(Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
     const double fitted = std::max(result.noise_floor_Nm[joint], result.after.train_rms_Nm[joint]);
     const double unseen = result.after.heldout_rms_Nm[joint];
     if (fitted > 0.0 && unseen > held_out::kOutOfProportion * fitted &&
+        !isNextToNothing(result.before, joint, unseen) &&
         !growsWithTorque(result.before, joint, fitted, unseen)) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",

@@ -33,8 +33,10 @@ std::string scaledTorque(const Dataset& data, const model::ModelDescription& giv
   }
   const Column left = torque - factor * asked;
   for (int joint = 0; joint < data.joints(); ++joint) {
+    // Of a machine that nobody drives no torque explains all that it leaves, and none of the torque.
     if (jointOf(data, left, joint).squaredNorm() >
-        (1.0 - unknown::kGoesWith) * jointOf(data, residual, joint).squaredNorm()) {
+        (1.0 - unknown::kGoesWith) * std::min(jointOf(data, residual, joint).squaredNorm(),
+                                              jointOf(data, torque, joint).squaredNorm())) {
       return {};
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -50,6 +51,12 @@ void addConfounds(EffectFinding& finding, int joints) {
       std::find(known.begin(), known.end(), "coulomb_friction") == known.end()) {
     finding.indistinguishable_from.emplace_back("coulomb_friction");
   }
+  // A mass where the mechanism's own would have to be for it to weigh and swing like more of the same.
+  if (finding.kind == "torque_gain" && joints == 1 && !finding.parameters.empty() &&
+      finding.parameters.front().value < 0.0 &&
+      std::find(known.begin(), known.end(), "payload") == known.end()) {
+    finding.indistinguishable_from.emplace_back("payload");
+  }
   // A spring too stiff to show.
   if (finding.kind == "rotor_inertia" &&
       std::find(known.begin(), known.end(), "transmission_elasticity") == known.end()) {
@@ -84,6 +91,26 @@ std::string beyondTolerance(const Diagnosis& diagnosis) {
   return fmt::format(
       "The fit took {}, more than {}: a payload, a rotor or a gain of the torque would look the same.", moved,
       count == 1 ? "its tolerance" : "their tolerances");
+}
+
+std::string takenUpWithinTolerance(const Diagnosis& diagnosis) {
+  const bool heldout = !diagnosis.before.heldout_rms_Nm.empty();
+  const auto& given = heldout ? diagnosis.before.heldout_rms_Nm : diagnosis.before.train_rms_Nm;
+  const auto& refitted = heldout ? diagnosis.refitted.heldout_rms_Nm : diagnosis.refitted.train_rms_Nm;
+  std::optional<std::size_t> most;
+  for (std::size_t joint = 0; joint < given.size(); ++joint) {
+    if (refitted[joint] < runaway::kTookUp * given[joint] &&
+        (!most || refitted[joint] * given[*most] < refitted[*most] * given[joint])) {
+      most = joint;
+    }
+  }
+  if (!most || !beyondTolerance(diagnosis).empty()) {
+    return {};
+  }
+  return fmt::format(
+      "The model's own parameters, moved within their tolerances, take the error of joint {} from {:.3g} as "
+      "given to {:.3g} {}: a payload would look the same.",
+      *most + 1, given[*most], refitted[*most], unitsOf(diagnosis, static_cast<int>(*most)).torque);
 }
 
 namespace {

@@ -11,7 +11,7 @@
 namespace patella::diagnose {
 
 /// Text after "possibly: " for an effect that is not asserted.
-inline constexpr const char* kOutweighedWords = "it explains less than what nothing explains";
+inline constexpr const char* kOutweighedWords = "what stays unexplained is as large";
 inline constexpr const char* kMayBeOfCauseWords =
     "it explains no more than the cause may leave that all joints share";
 
@@ -32,6 +32,9 @@ void addConfoundsBetween(std::vector<EffectFinding>& findings);
 
 /// Parameters that the fit took out of what is known of them, in a sentence; empty where there is none.
 std::string beyondTolerance(const Diagnosis& diagnosis);
+/// What those within their tolerances explain of the error of the joint where that is most; empty where none
+/// loses more than runaway::kTookUp leaves, or where some parameter is beyond.
+std::string takenUpWithinTolerance(const Diagnosis& diagnosis);
 
 /// The verdict in a sentence or two. Nominal parameters count as moved where they left their tolerance.
 std::string explanation(const Diagnosis& diagnosis);

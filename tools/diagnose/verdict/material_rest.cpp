@@ -27,6 +27,13 @@ std::optional<std::size_t> worstOf(std::span<const JointRest> rests, Chosen chos
 }
 
 std::string wordsOf(const JointRest& rest, std::size_t joint, bool person, std::string_view unit) {
+  if (!rest.driven) {
+    return fmt::format(
+        "The torque of joint {} is next to nothing, where the model's parts ask for {:.3g} {}, and {:.0f} % "
+        "of "
+        "that is left: its column may be dead.",
+        joint + 1, rest.torque_Nm, unit, kPercent * rest.structure_Nm() / rest.torque_Nm);
+  }
   return fmt::format(
       "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, where "
       "sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",
@@ -44,10 +51,12 @@ void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnos
   const auto doubt = [&](Doubt::Kind kind, std::size_t joint) {
     diagnosis.doubts.push_back({kind, wordsOf(rests[joint], joint, person, diagnosis.torque_unit)});
   };
+  // A spring may stand for a column that is dead.
   const auto bare = worstOf(rests, [&](std::size_t joint) {
-    return std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
-      return effect.asserted() && effect.joint == static_cast<int>(joint);
-    });
+    return !rests[joint].driven ||
+           std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
+             return effect.asserted() && effect.joint == static_cast<int>(joint);
+           });
   });
   if (bare && rests[*bare].exceeds(unknown::kMaterialRest)) {
     doubt(Doubt::kJointUnexplained, *bare);

@@ -209,9 +209,9 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
                effect.not_asserted_because != kMayBeOfCauseWords && mayMatter(effect, data, found);
       })) {
     diagnosis.doubts.push_back({Doubt::kOutweighed,
-                                "What was found explains less than what nothing explains, or is of unknown "
-                                "size, so that it may be a "
-                                "part of something else that is missing."});
+                                "What was found is smaller than what stays unexplained, or of unknown size: "
+                                "it may be a part of something "
+                                "else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   if (std::string moved = beyondTolerance(diagnosis); !moved.empty()) {

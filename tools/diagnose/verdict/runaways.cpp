@@ -172,6 +172,9 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
   }
   const auto& parameters = model::findEffect(declared.kind)->parameters;
   for (std::size_t p = 0; p < declared.parameters.size(); ++p) {
+    if (!parameters[p].identified) {
+      continue;  // how the model is written, which nobody knows of the machine
+    }
     const double before = declared.parameters[p];
     const double after = kept->parameters[p];
     const ParameterName name = splitName(parameters[p].name, unitsOf(diagnosis, declared.joint));

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <variant>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "tools/diagnose/fit/base_gravity.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/search/search.hpp"
@@ -30,27 +31,9 @@ double goneFrom(const Dataset& data, const Column& before, const Column& after) 
   return square_before > 0.0 ? 1.0 - square_after / square_before : 0.0;
 }
 
-std::vector<model::SerialChainParameters*> chainsOf(model::ModelDescription& model) {
-  if (auto* chain = std::get_if<model::SerialChainParameters>(&model.mechanism)) {
-    return {chain};
-  }
-  std::vector<model::SerialChainParameters*> chains;
-  if (auto* group = std::get_if<model::ChainGroupParameters>(&model.mechanism)) {
-    for (model::SerialChainParameters& chain : group->chains) {
-      chains.push_back(&chain);
-    }
-  }
-  return chains;
-}
-
-void setGravity(model::ModelDescription& model, const Eigen::Vector3d& gravity_m_s2) {
-  for (model::SerialChainParameters* chain : chainsOf(model)) {
-    chain->gravity_m_s2 = gravity_m_s2;
-  }
-}
-
-Column torqueUnder(const Dataset& data, model::ModelDescription model, const Eigen::Vector3d& gravity_m_s2) {
-  setGravity(model, gravity_m_s2);
+Column torqueUnder(const Dataset& data, const model::ModelDescription& given,
+                   const Eigen::Vector3d& gravity_m_s2) {
+  model::ModelDescription model = withBaseGravity(given, gravity_m_s2);
   model.effects.clear();
   model::DynamicsModel dynamics = model::makeModel(model);
   return data.mechanismTorque(dynamics.mechanism(), JointVector::Zero(data.joints()));
@@ -90,14 +73,14 @@ struct Suspicion {
   double share = 0.0;  ///< of what is missing on all joints
 };
 
-std::optional<Suspicion> tiltedBase(const Dataset& data, model::ModelDescription given, const ModelFit& fit,
-                                    double least_share) {
-  const std::vector<model::SerialChainParameters*> chains = chainsOf(given);
-  if (chains.empty() || chains.front()->gravity_m_s2.isZero(0.0)) {
+std::optional<Suspicion> tiltedBase(const Dataset& data, const model::ModelDescription& given,
+                                    const ModelFit& fit, double least_share) {
+  const std::optional<Eigen::Vector3d> own_m_s2 = baseGravity(given);
+  if (!own_m_s2) {
     return {};
   }
-  const Eigen::Vector3d upright = chains.front()->gravity_m_s2.normalized();
-  const double size_m_s2 = chains.front()->gravity_m_s2.norm();
+  const Eigen::Vector3d upright = own_m_s2->normalized();
+  const double size_m_s2 = own_m_s2->norm();
   const auto torqueAt = [&](const Eigen::Vector3d& down) {
     return torqueUnder(data, given, size_m_s2 * down);
   };
@@ -127,7 +110,8 @@ std::optional<Suspicion> tiltedBase(const Dataset& data, model::ModelDescription
 
 // By less than what is refused.
 std::optional<Suspicion> lateTorque(const Dataset& data, const ModelFit& fit) {
-  const Column rate = torqueRate(data);
+  // Of what the fit explains: the noise of the measured torque changes faster than any motion.
+  const Column rate = rateOf(data, data.driveTorque() - fit.residual);
   const Explained explained = explainedBy(data, fit, Column::Zero(rate.size()), -rate);
   // Drives that are late are effects of the library.
   if (explained.sizes[0] <= 0.0) {
@@ -166,10 +150,7 @@ auto assertedIn(const Diagnosis& diagnosis) {
 }  // namespace
 
 model::ModelDescription SharedCause::takenOutOf(model::ModelDescription model) const {
-  if (gravity_m_s2) {
-    setGravity(model, *gravity_m_s2);
-  }
-  return model;
+  return gravity_m_s2 ? withBaseGravity(std::move(model), *gravity_m_s2) : model;
 }
 
 std::vector<Recording> SharedCause::takenOutOf(std::span<const Recording> recordings) const {
@@ -189,21 +170,26 @@ std::vector<Recording> SharedCause::takenOutOf(std::span<const Recording> record
   return earlier;
 }
 
-std::optional<SharedCause> suspectedCause(const Dataset& data, const model::ModelDescription& given,
-                                          const ModelFit& nominal, const ModelFit& found,
-                                          const Diagnosis& diagnosis) {
+std::optional<SharedCause> suspectedCause(const Dataset& data, double least_late_s,
+                                          const model::ModelDescription& given, const ModelFit& nominal,
+                                          const ModelFit& found, const Diagnosis& diagnosis) {
   if (data.isStatic() || data.joints() == 1) {
     return {};
   }
   const bool much_is_left = std::any_of(
       diagnosis.rests.begin(), diagnosis.rests.end(),
       [](const RestOfJoint& rest) { return rest.structure_Nm > unknown::kLikeNoise * rest.noise_Nm; });
+  std::optional<SharedCause> cause;
   if (much_is_left) {
-    if (auto cause = likeliest(data, given, found, shared::kSuspected)) {
-      return cause;
-    }
+    cause = likeliest(data, given, found, shared::kSuspected);
   }
-  return assertedIn(diagnosis) > 1 ? likeliest(data, given, nominal, unknown::kGoesWith) : std::nullopt;
+  if (!cause && assertedIn(diagnosis) > 1) {
+    cause = likeliest(data, given, nominal, unknown::kGoesWith);
+  }
+  if (cause && !cause->isOfBase()) {
+    cause->may_be_reading = cause->torque_late_s < least_late_s;
+  }
+  return cause;
 }
 
 bool bearsOut(const Diagnosis& taken_out, const Diagnosis& as_given) {
@@ -218,12 +204,20 @@ bool bearsOut(const Diagnosis& taken_out, const Diagnosis& as_given) {
 Diagnosis withCauses(std::span<const SharedCause> causes, Diagnosis taken_out, const Diagnosis& before) {
   std::string words;
   for (const SharedCause& cause : causes) {
-    words += cause.words + " ";
+    if (cause.may_be_reading) {
+      taken_out.warnings.push_back(cause.words +
+                                   " That is less than half a sample, and taken for how the rows were read.");
+    } else {
+      words += cause.words + " ";
+    }
   }
   taken_out.before = before.before;
   taken_out.refitted = before.refitted;
-  taken_out.doubts.push_back({Doubt::kSharedCause, words + "With that taken out: " + taken_out.explanation});
-  settle(taken_out);
+  if (!words.empty()) {
+    taken_out.doubts.push_back(
+        {Doubt::kSharedCause, words + "With that taken out: " + taken_out.explanation});
+    settle(taken_out);
+  }
   return taken_out;
 }
 

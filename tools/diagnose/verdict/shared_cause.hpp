@@ -19,7 +19,10 @@ namespace patella::diagnose {
 struct SharedCause {
   std::string words;                            ///< a sentence for people
   std::optional<Eigen::Vector3d> gravity_m_s2;  ///< of every chain, where the base stands at another angle
-  double torque_late_s = 0.0;     ///< by which all torque columns come late, as through a filter
+  double torque_late_s = 0.0;  ///< by which all torque columns come late, as through a filter
+  /// Late by less than a sample may be the reader's, who takes a row's torque for held or not: it is taken
+  /// out with a warning.
+  bool may_be_reading = false;
   std::vector<double> torque_Nm;  ///< rms of what it explains on each joint
 
   bool isOfBase() const noexcept { return gravity_m_s2.has_value(); }
@@ -32,10 +35,10 @@ struct SharedCause {
 /// A base of chains that stands at another angle to gravity, or torque columns that all come late by the same
 /// time. Beside all that the fits estimate, it explains shared::kSuspected of what `found` leaves on all
 /// joints beyond noise, or, where several effects were found, unknown::kGoesWith of what `nominal` leaves.
-/// Nothing of a single joint, or of postures at rest.
-std::optional<SharedCause> suspectedCause(const Dataset& data, const model::ModelDescription& given,
-                                          const ModelFit& nominal, const ModelFit& found,
-                                          const Diagnosis& diagnosis);
+/// Nothing of a single joint, or of postures at rest. `least_late_s`: leastLateness_s().
+std::optional<SharedCause> suspectedCause(const Dataset& data, double least_late_s,
+                                          const model::ModelDescription& given, const ModelFit& nominal,
+                                          const ModelFit& found, const Diagnosis& diagnosis);
 
 /// Whether a diagnosis with the cause taken out leaves much less than that of the recordings as they are, or
 /// as little with fewer effects.

@@ -87,6 +87,8 @@ void settle(Diagnosis& diagnosis) {
     for (const Doubt& doubt : diagnosis.doubts) {
       if (doubt.kind == Doubt::kLargeRest) {
         diagnosis.explanation = partlyExplained(diagnosis) + " " + doubt.words;
+      } else if (doubt.kind == Doubt::kSomeRest) {
+        diagnosis.explanation += " " + doubt.words;
       }
     }
   }
