@@ -38,7 +38,8 @@ using Range = std::array<double, 2>;
 struct Convention {
   ConventionKind kind{};
   int joint = kAllJoints;  ///< from 0; or the kind says which
-  double number = 0.0;     ///< recorded per right unit; right less recorded zero, rad; torque too late, s
+  double number = 0.0;     ///< recorded per right unit; right less recorded zero, or angle of a base, rad;
+                           ///< torque too late, s
   Range range{};           ///< of numbers that explain as much, where one was searched for
   std::array<int, 2> exchanged{-1, -1};  ///< joints whose columns are read for each other
   std::string mistake{};                 ///< "q2_rad is in degrees"

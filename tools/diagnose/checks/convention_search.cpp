@@ -147,9 +147,10 @@ void addMounting(const Dataset& data, const model::ModelDescription& model, cons
       std::none_of(given.error.begin(), given.error.end(), [](double error) { return error > kFarOff; })) {
     return;
   }
-  if (std::optional<ReadAs> mounting = bestMounting(data, model, given);
-      mounting && isBelieved(*mounting, given)) {
-    wrong.push_back(std::move(*mounting));
+  const std::optional<ReadAs> mounting = bestMounting(data, model, given);
+  const bool little = mounting && wrong.empty() && mounting->convention.number < kLeastZero_rad;
+  if (mounting && !little && isBelieved(*mounting, given)) {
+    wrong.push_back(*mounting);
     keepBest(wrong, given);
   }
 }

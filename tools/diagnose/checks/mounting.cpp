@@ -33,9 +33,11 @@ std::vector<Eigen::Vector3d> allAround() {
 
 Convention mountingConvention(const Eigen::Vector3d& given_m_s2, const Eigen::Vector3d& gravity_m_s2) {
   const double cosine = given_m_s2.normalized().dot(gravity_m_s2.normalized());
+  const double angle_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
   return {.kind = ConventionKind::kMounting,
+          .number = angle_rad,
           .mistake = fmt::format("the base stands {:.0f}° off the upright that the model has",
-                                 std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi),
+                                 angle_rad * 180.0 / std::numbers::pi),
           .change = fmt::format("gravity_m_s2 = [{:.2f}, {:.2f}, {:.2f}]", gravity_m_s2.x(), gravity_m_s2.y(),
                                 gravity_m_s2.z()),
           .correct = {}};

@@ -156,7 +156,8 @@ class Finder {
       return true;
     }
     const MissingEffects timed = search(model, std::array{late.effect.joint});
-    return explainsAsWell(*timed.fitter, timed.selection.fit);
+    return timed.selection.fit.terms.size() <= fit.terms.size() &&
+           explainsAsWell(*timed.fitter, timed.selection.fit);
   }
 
   // A delay that fast motion asks for shows in the error of data that were not fitted. True where one was
