@@ -29,9 +29,9 @@ constexpr std::size_t kTold = 5;
 constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
                              "payload"};
 
-/// A rehearsal goes up from the size that known noise would allow in such steps, and halves the last one so
-/// many times. The middle of what is left is the size, since its upper end would be 4 % too large in the
-/// mean.
+/// A rehearsal goes up from the size that known noise would allow, and anybody miss, in such steps, and
+/// halves the last one so many times. The middle of what is left is the size, since its upper end would be 4
+/// % too large in the mean.
 constexpr double kStep = 2.0;
 constexpr int kMostSteps = 6;
 constexpr int kSizeHalvings = 3;
@@ -43,10 +43,12 @@ struct Size {
   Detectable shape{};
 };
 
+// `least_Nm`: torque below which nothing is missed, however little noise there is.
 Size sizeOf(const Atoms& atoms, const Atom& atom, const Detector& detector, double noise_Nm,
-            double structure_Nm) {
+            double structure_Nm, double least_Nm) {
   const Detectable shape = detector.of(atoms.of(atom), atom.joint);
-  const double torque_Nm = smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm);
+  const double torque_Nm =
+      std::max(smallestTorque_Nm(shape, detector.threshold(), noise_Nm, structure_Nm), least_Nm);
   if (!std::isfinite(torque_Nm)) {
     return {};
   }
@@ -182,7 +184,8 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     const double noise_Nm = jointRms(data, fit.residual, joint);
     std::vector<Size> sizes;
     for (const Atom* point : someAtoms(plainPoints(points))) {
-      sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm));
+      sizes.push_back(sizeOf(atoms, *point, detector, noise_Nm, rest.structure_Nm,
+                             fitter.leastTorque_Nm()[static_cast<std::size_t>(joint)]));
     }
     Size size = median(std::move(sizes));
     if (size.atom != nullptr) {
