@@ -17,6 +17,7 @@
 #include "tools/diagnose/search/missing_effects.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/before_and_after.hpp"
+#include "tools/diagnose/verdict/carried_body.hpp"
 #include "tools/diagnose/verdict/cause_hint.hpp"
 #include "tools/diagnose/verdict/consistency.hpp"
 #include "tools/diagnose/verdict/excitation.hpp"
@@ -98,11 +99,17 @@ void nameTakenUp(Diagnosis& diagnosis) {
   }
 }
 
-// From recordings that can be of this machine, and the time at which their torque acted. `suspected`: a cause
-// that all joints share. `cause_Nm`: of one that was taken out, on each joint.
+/// What a diagnosis with it taken out, or in the model, has to bear out.
+struct Suspects {
+  std::optional<SharedCause> cause;
+  std::optional<CarriedBody> body;
+};
+
+// From recordings that can be of this machine, and the time at which their torque acted. `cause_Nm`: of a
+// cause that all joints share and that was taken out, on each joint.
 Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const Recording> holdout,
                         const model::ModelDescription& model, const DiagnoseOptions& options,
-                        std::span<const double> cause_Nm, std::optional<SharedCause>& suspected) {
+                        std::span<const double> cause_Nm, Suspects& suspects) {
   Diagnosis diagnosis;
   diagnosis.seed = options.seed;
   diagnosis.torque_unit = model::isLinear(model.mechanism) ? "N" : "N·m";
@@ -155,7 +162,8 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   nameResized(diagnosis);
   nameTakenUp(diagnosis);
-  suspected = suspectedCause(train, leastLateness_s(recordings), model, found.nominal, fit, diagnosis);
+  suspects.cause = suspectedCause(train, leastLateness_s(recordings), model, found.nominal, fit, diagnosis);
+  suspects.body = suspectedBody(train, model, options.fit(), diagnosis);
   return diagnosis;
 }
 
@@ -171,23 +179,30 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
     recording.torque_timing =
         recording.torque_timing_assumed ? timed.front().torque_timing : recording.torque_timing;
   }
-  std::optional<SharedCause> cause;
-  Diagnosis diagnosis = diagnoseTimed(timed, timed_holdout, model, options, {}, cause);
+  Suspects suspects;
+  Diagnosis diagnosis = diagnoseTimed(timed, timed_holdout, model, options, {}, suspects);
   // The base, and the torque columns: each once.
   std::vector<SharedCause> causes;
   model::ModelDescription changed = model;
-  while (cause &&
-         (causes.empty() || (causes.size() == 1 && causes.front().isOfBase() != cause->isOfBase()))) {
-    causes.push_back(*std::exchange(cause, std::nullopt));
+  while (suspects.cause && (causes.empty() || (causes.size() == 1 &&
+                                               causes.front().isOfBase() != suspects.cause->isOfBase()))) {
+    causes.push_back(*std::exchange(suspects.cause, std::nullopt));
     timed = causes.back().takenOutOf(timed);
     timed_holdout = causes.back().takenOutOf(timed_holdout);
     changed = causes.back().takenOutOf(changed);
     Diagnosis taken_out =
-        diagnoseTimed(timed, timed_holdout, changed, options, causes.back().torque_Nm, cause);
+        diagnoseTimed(timed, timed_holdout, changed, options, causes.back().torque_Nm, suspects);
     if (!bearsOut(taken_out, diagnosis)) {
       break;
     }
     diagnosis = withCauses(causes, std::move(taken_out), diagnosis);
+  }
+  if (suspects.body && causes.empty()) {
+    const CarriedBody body = *suspects.body;
+    Diagnosis with_body = diagnoseTimed(timed, timed_holdout, withBody(model, body), options, {}, suspects);
+    if (bodyBearsOut(with_body, diagnosis)) {
+      diagnosis = withBodyFound(body, std::move(with_body), diagnosis);
+    }
   }
   return diagnosis;
 }
