@@ -12,6 +12,7 @@
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/declared.hpp"
 #include "tools/diagnose/effects/effect_home.hpp"
+#include "tools/diagnose/effects/recipe_parts.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -172,8 +173,8 @@ void addDeclared(const Diagnosis& diagnosis, const model::ModelDescription& give
   }
   const auto& parameters = model::findEffect(declared.kind)->parameters;
   for (std::size_t p = 0; p < declared.parameters.size(); ++p) {
-    if (!parameters[p].identified) {
-      continue;  // how the model is written, which nobody knows of the machine
+    if (parameters[p].name == kSmoothing) {
+      continue;  // a warning tells of that
     }
     const double before = declared.parameters[p];
     const double after = kept->parameters[p];
@@ -245,6 +246,9 @@ std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDe
   const Units units = unitsOf(diagnosis);
   for (const EffectFinding& effect : diagnosis.effects) {
     for (const ParameterEstimate& estimate : effect.parameters) {
+      if (estimate.name == kSmoothing) {
+        continue;  // how friction turns round is how it is written
+      }
       addEstimate(effect, estimate, unitsOf(diagnosis, effect.joint), all);
     }
   }
