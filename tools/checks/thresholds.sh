@@ -46,9 +46,9 @@ checks/kAny checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDe
 checks/kFirstStep_rad checks/kLastStep_rad checks/kMillisecond checks/kPerResolution checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns
 search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kFullySpanned search/kLastSteps search/kLeastVariance_Nm2
 search/kNarrowest search/kNearlySpanned search/kOffTheBound search/kSlowest_rad_s search/kSpanned search/kSpannedExactly search/kStep search/kUnknownLogarithm
-verdict/kBand_Hz verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
+verdict/kBand_Hz verdict/kDifference_m verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
 verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kRate_Hz verdict/kRidge
-verdict/kSmall verdict/kSmoothing_Hz verdict/kStep verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s
+verdict/kSmall verdict/kSmoothing_Hz verdict/kStep verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s verdict/kUnit_kg
 "
 used=""
 for room in fit checks search verdict; do
