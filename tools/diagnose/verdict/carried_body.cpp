@@ -166,9 +166,11 @@ std::optional<CarriedBody> suspectedBody(const Dataset& data, const model::Model
     body.at_m += step.change.tail<3>() / (round == 0 ? body.mass_kg : 1.0);
     fit = ModelFitter(data, withBody(model, body), options).nominal();
   }
-  if (movedBy(fit).sum() > (1.0 - shared::kSuspected) * moved.sum()) {
+  const double still_moved = movedBy(fit).sum();
+  if (still_moved > (1.0 - shared::kSuspected) * moved.sum()) {
     return std::nullopt;
   }
+  body.gain_nats = 0.5 * (moved.sum() - still_moved);
   const double distance_m = body.at_m.norm();
   const Eigen::Vector3d outwards = body.at_m / std::max(distance_m, 1e-9);
   body.mass_ci95_kg = interval(body.mass_kg, step.covariance(0, 0));
@@ -196,9 +198,11 @@ Diagnosis withBodyFound(const CarriedBody& body, Diagnosis with_body, const Diag
       .parameters = {{.name = "mass_kg", .value = body.mass_kg, .ci95 = body.mass_ci95_kg},
                      {.name = "distance_m", .value = body.at_m.norm(), .ci95 = body.distance_ci95_m}},
       .p_value = accepted::kFamilyWiseP,
+      .gain = body.gain_nats,
       .indistinguishable_from = {},
       .replaces = {},
       .separating_motion = {}};
+  settle(with_body);
   const std::string beside = with_body.explanation;
   with_body.effects.insert(with_body.effects.begin(), std::move(finding));
   settle(with_body);

@@ -18,6 +18,7 @@ namespace patella::diagnose {
 struct CarriedBody {
   double mass_kg = 0.0;
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();  ///< in the axes of the last link
+  double gain_nats = 0.0;                          ///< by which the model's parameters are likelier with it
   std::array<double, 2> mass_ci95_kg{};
   std::array<double, 2> distance_ci95_m{};  ///< of its distance from the last link's origin
 };
