@@ -2,7 +2,7 @@
 #include "tools/diagnose/verdict/carried_body.hpp"
 
 #include <algorithm>
-#include <numbers>
+#include <string>
 
 #include <doctest/doctest.h>
 
@@ -16,20 +16,8 @@ using model::ModelDescription;
 
 const CarriedBody kBody{.mass_kg = 1.2, .at_m = {0.2, 0.05, -0.04}};
 
-/// Three joints about axes in turn; `masses` times as heavy.
 ModelDescription arm(double masses = 1.0) {
-  model::SerialChainParameters chain;
-  for (int i = 0; i < 3; ++i) {
-    model::ChainLink link;
-    link.name = "link";
-    link.origin_m = {i == 0 ? 0.0 : 0.3, 0.0, 0.0};
-    link.turn_rad = {i == 0 ? 0.0 : (i % 2 == 0 ? 1.0 : -1.0) * std::numbers::pi / 2.0, 0.0, 0.0};
-    link.mass_kg = masses * 3.0 / (i + 1.0);
-    link.com_m = {0.15, 0.01, 0.02};
-    link.inertia_kg_m2 = {0.004, 0.03, 0.031, 0.0005, 0.0, 0.0};
-    chain.links.push_back(link);
-  }
-  return {.mechanism = chain, .effects = {}};
+  return uprightChain(3, masses);
 }
 
 Diagnosis diagnosed(const ModelDescription& truth) {

@@ -10,6 +10,23 @@
 
 namespace patella::diagnose {
 
+/// Joints about axes in turn, the first of them upright; each link is lighter than the one before. `masses`
+/// times as heavy.
+inline model::ModelDescription uprightChain(int joints, double masses = 1.0) {
+  model::SerialChainParameters chain;
+  for (int i = 0; i < joints; ++i) {
+    model::ChainLink link;
+    link.name = "link";
+    link.origin_m = {i == 0 ? 0.0 : 0.3, 0.0, 0.0};
+    link.turn_rad = {i == 0 ? 0.0 : (i % 2 == 0 ? 1.0 : -1.0) * std::numbers::pi / 2.0, 0.0, 0.0};
+    link.mass_kg = masses * 3.0 / (i + 1.0);
+    link.com_m = {0.15, 0.01, 0.02};
+    link.inertia_kg_m2 = {0.004, 0.03, 0.031, 0.0005, 0.0, 0.0};
+    chain.links.push_back(link);
+  }
+  return {.mechanism = chain, .effects = {}};
+}
+
 /// Every joint on three sinusoids of its own, at 200 Hz, with the torque that `truth` needs for it. Effects
 /// with a memory are left out of account. `noise_Nm`: of the torques, white.
 inline Recording moved(const model::ModelDescription& truth, double duration_s, double noise_Nm,

@@ -23,20 +23,8 @@ namespace {
 
 using model::ModelDescription;
 
-/// Four joints about axes in turn, the first of them upright.
 ModelDescription upright() {
-  model::SerialChainParameters chain;
-  for (int i = 0; i < 4; ++i) {
-    model::ChainLink link;
-    link.name = "link";
-    link.origin_m = {i == 0 ? 0.0 : 0.3, 0.0, 0.0};
-    link.turn_rad = {i == 0 ? 0.0 : (i % 2 == 0 ? 1.0 : -1.0) * kPi / 2.0, 0.0, 0.0};
-    link.mass_kg = 3.0 / (i + 1.0);
-    link.com_m = {0.15, 0.01, 0.02};
-    link.inertia_kg_m2 = {0.004, 0.03, 0.031, 0.0005, 0.0, 0.0};
-    chain.links.push_back(link);
-  }
-  return {.mechanism = chain, .effects = {}};
+  return uprightChain(4);
 }
 
 Diagnosis diagnosed(const Recording& recording, const ModelDescription& model) {

@@ -13,6 +13,7 @@
 #include "tools/diagnose/effects/recipe.hpp"
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/thresholds.hpp"
+#include "tools/diagnose/verdict/shared_cause.hpp"
 #include "tools/diagnose/verdict/verdict.hpp"
 
 namespace patella::diagnose {
@@ -118,14 +119,6 @@ double movedIn(const Diagnosis& diagnosis) {
   return moved;
 }
 
-double leftIn(const Diagnosis& diagnosis) {
-  double left = 0.0;
-  for (std::size_t joint = 0; joint < diagnosis.rests.size(); ++joint) {
-    left += std::pow(diagnosis.noise_floor_Nm[joint] / std::max(1e-12, diagnosis.rests[joint].torque_Nm), 2);
-  }
-  return left;
-}
-
 std::array<double, 2> interval(double value, double variance) {
   const double half = asserted::kShapeAllowance * rivals::kWithin95 * std::sqrt(std::max(variance, 0.0));
   return {value - half, value + half};
@@ -183,7 +176,7 @@ bool bodyBearsOut(const Diagnosis& with_body, const Diagnosis& as_given) {
   if (with_body.verdict == Verdict::kInsufficientExcitation || with_body.rests.empty()) {
     return false;
   }
-  const double left = leftIn(with_body), before = leftIn(as_given);
+  const double left = leftBy(with_body), before = leftBy(as_given);
   return left < shared::kSuspected * before ||
          (left < shared::kAsLittle * before &&
           movedIn(with_body) < (1.0 - shared::kSuspected) * movedIn(as_given));

@@ -133,7 +133,13 @@ std::optional<SharedCause> likeliest(const Dataset& data, const model::ModelDesc
   return likelier && likelier->share > least_share ? std::optional(std::move(likelier->cause)) : std::nullopt;
 }
 
-// Squares of what is left on each joint, counted in its torque.
+auto assertedIn(const Diagnosis& diagnosis) {
+  return std::count_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                       [](const EffectFinding& effect) { return effect.asserted(); });
+}
+
+}  // namespace
+
 double leftBy(const Diagnosis& diagnosis) {
   double left = 0.0;
   for (std::size_t joint = 0; joint < diagnosis.rests.size(); ++joint) {
@@ -141,13 +147,6 @@ double leftBy(const Diagnosis& diagnosis) {
   }
   return left;
 }
-
-auto assertedIn(const Diagnosis& diagnosis) {
-  return std::count_if(diagnosis.effects.begin(), diagnosis.effects.end(),
-                       [](const EffectFinding& effect) { return effect.asserted(); });
-}
-
-}  // namespace
 
 model::ModelDescription SharedCause::takenOutOf(model::ModelDescription model) const {
   return gravity_m_s2 ? withBaseGravity(std::move(model), *gravity_m_s2) : model;

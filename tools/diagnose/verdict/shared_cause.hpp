@@ -40,6 +40,9 @@ std::optional<SharedCause> suspectedCause(const Dataset& data, double least_late
                                           const model::ModelDescription& given, const ModelFit& nominal,
                                           const ModelFit& found, const Diagnosis& diagnosis);
 
+/// Squares of what a diagnosis leaves on each joint, counted in its torque.
+double leftBy(const Diagnosis& diagnosis);
+
 /// Whether a diagnosis with the cause taken out leaves much less than that of the recordings as they are, or
 /// as little with fewer effects.
 bool bearsOut(const Diagnosis& taken_out, const Diagnosis& as_given);
