@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <ostream>
 #include <string_view>
@@ -97,10 +98,13 @@ std::string errorLine(const Diagnosis& diagnosis, std::size_t joint) {
 
 void printEffects(const Diagnosis& diagnosis, std::ostream& out) {
   // Asserted ones first, and all of them.
-  std::vector<EffectFinding> effects = diagnosis.effects;
-  const auto possible = std::stable_partition(effects.begin(), effects.end(),
-                                              [](const EffectFinding& effect) { return effect.asserted(); });
-  const auto asserted = static_cast<std::size_t>(possible - effects.begin());
+  std::vector<EffectFinding> effects;
+  for (const bool asserted : {true, false}) {
+    std::copy_if(diagnosis.effects.begin(), diagnosis.effects.end(), std::back_inserter(effects),
+                 [=](const EffectFinding& effect) { return effect.asserted() == asserted; });
+  }
+  const auto asserted = static_cast<std::size_t>(std::count_if(
+      effects.begin(), effects.end(), [](const EffectFinding& effect) { return effect.asserted(); }));
   const std::size_t shown = std::min(effects.size(), std::max(kShownEffects, asserted));
   for (std::size_t i = 0; i < shown; ++i) {
     out << effectLine(effects[i], unitsOf(diagnosis, effects[i].joint)) << "\n";
