@@ -167,6 +167,30 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   return diagnosis;
 }
 
+// Takes out the base and the torque columns, each once. Nothing where no suspected cause is borne out.
+std::optional<Diagnosis> withoutSharedCauses(std::vector<Recording> timed,
+                                             std::vector<Recording> timed_holdout,
+                                             model::ModelDescription model, const DiagnoseOptions& options,
+                                             const Diagnosis& as_given, Suspects& suspects) {
+  std::optional<Diagnosis> diagnosis;
+  std::vector<SharedCause> causes;
+  while (suspects.cause && (causes.empty() || (causes.size() == 1 &&
+                                               causes.front().isOfBase() != suspects.cause->isOfBase()))) {
+    causes.push_back(*std::exchange(suspects.cause, std::nullopt));
+    timed = causes.back().takenOutOf(timed);
+    timed_holdout = causes.back().takenOutOf(timed_holdout);
+    model = causes.back().takenOutOf(std::move(model));
+    Diagnosis taken_out =
+        diagnoseTimed(timed, timed_holdout, model, options, causes.back().torque_Nm, suspects);
+    const Diagnosis& before = diagnosis ? *diagnosis : as_given;
+    if (!bearsOut(taken_out, before)) {
+      break;
+    }
+    diagnosis = withCauses(causes, std::move(taken_out), before);
+  }
+  return diagnosis;
+}
+
 }  // namespace
 
 Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Recording> holdout,
@@ -181,27 +205,15 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
   }
   Suspects suspects;
   Diagnosis diagnosis = diagnoseTimed(timed, timed_holdout, model, options, {}, suspects);
-  // The base, and the torque columns: each once.
-  std::vector<SharedCause> causes;
-  model::ModelDescription changed = model;
-  while (suspects.cause && (causes.empty() || (causes.size() == 1 &&
-                                               causes.front().isOfBase() != suspects.cause->isOfBase()))) {
-    causes.push_back(*std::exchange(suspects.cause, std::nullopt));
-    timed = causes.back().takenOutOf(timed);
-    timed_holdout = causes.back().takenOutOf(timed_holdout);
-    changed = causes.back().takenOutOf(changed);
-    Diagnosis taken_out =
-        diagnoseTimed(timed, timed_holdout, changed, options, causes.back().torque_Nm, suspects);
-    if (!bearsOut(taken_out, diagnosis)) {
-      break;
-    }
-    diagnosis = withCauses(causes, std::move(taken_out), diagnosis);
+  const std::optional<CarriedBody> body = suspects.body;
+  if (std::optional<Diagnosis> taken_out =
+          withoutSharedCauses(timed, timed_holdout, model, options, diagnosis, suspects)) {
+    return *std::move(taken_out);
   }
-  if (suspects.body && causes.empty()) {
-    const CarriedBody body = *suspects.body;
-    Diagnosis with_body = diagnoseTimed(timed, timed_holdout, withBody(model, body), options, {}, suspects);
+  if (body) {
+    Diagnosis with_body = diagnoseTimed(timed, timed_holdout, withBody(model, *body), options, {}, suspects);
     if (bodyBearsOut(with_body, diagnosis)) {
-      diagnosis = withBodyFound(body, std::move(with_body), diagnosis);
+      return withBodyFound(*body, std::move(with_body), diagnosis);
     }
   }
   return diagnosis;

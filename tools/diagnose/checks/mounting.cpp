@@ -57,12 +57,10 @@ std::optional<ReadAs> bestMounting(const Dataset& data, const model::ModelDescri
     const Eigen::Vector3d turned_m_s2 = gravity_m_s2->norm() * direction;
     ReadAs one{.convention = mountingConvention(*gravity_m_s2, turned_m_s2),
                .reading = Reader(data, withBaseGravity(model, turned_m_s2)).asGiven()};
-    const bool better = !best || gainOf(one, given) > gainOf(*best, given);
-    if (better) {
+    if (!best || gainOf(one, given) > gainOf(*best, given)) {
       best = std::move(one);
       down = direction;
     }
-    return better;
   };
   for (const Eigen::Vector3d& direction : allAround()) {
     consider(direction);

@@ -141,14 +141,12 @@ std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
   if (answer.contradictory) {
     chosen.front().warnings.push_back(
         fmt::format("some joints follow their torque as if it had been held between samples, others as if it "
-                    "had acted at the "
-                    "sample: taken as {}, which most of them say; --torque decides",
+                    "had acted at the sample: taken as {}, which they say in the mean; --torque decides",
                     answer.sampled ? "what acted at the sample" : "held"));
   } else if (answer.sampled) {
     chosen.front().warnings.emplace_back(
         "the motion follows the torque too early for one that was held between samples: taken as what acted "
-        "at the "
-        "sample; --torque decides");
+        "at the sample; --torque decides");
   }
   return std::move(chosen);
 }

@@ -142,7 +142,7 @@ class Finder {
 
   // A drive is as late in slow motion as in fast, where vibration of the structure may pass for a delay: what
   // was found explains slow motion as well beside it. Where it does not, slow motion is searched anew:
-  // friction that turns round slowly may have made up for the drive.
+  // friction that turns round slowly may have made up for the drive. With more effects anything would agree.
   bool slowMotionAgrees(const LateDrive& late, const MissingEffects& first) const {
     model::ModelDescription model = model_;
     model.effects.push_back(late.effect);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/recipe.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/search/search.hpp"
 #include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/shared_cause.hpp"
@@ -119,6 +120,12 @@ double movedIn(const Diagnosis& diagnosis) {
   return moved;
 }
 
+// Within what the effect of that name may be, which model files hold.
+bool isPayload(const CarriedBody& body) {
+  return body.mass_kg < physicalRange("payload", "mass_kg")[1] &&
+         body.at_m.norm() < physicalRange("payload", "distance_m")[1];
+}
+
 std::array<double, 2> interval(double value, double variance) {
   const double half = asserted::kShapeAllowance * rivals::kWithin95 * std::sqrt(std::max(variance, 0.0));
   return {value - half, value + half};
@@ -157,6 +164,9 @@ std::optional<CarriedBody> suspectedBody(const Dataset& data, const model::Model
       return std::nullopt;
     }
     body.at_m += step.change.tail<3>() / (round == 0 ? body.mass_kg : 1.0);
+    if (!isPayload(body)) {
+      return std::nullopt;
+    }
     fit = ModelFitter(data, withBody(model, body), options).nominal();
   }
   const double still_moved = movedBy(fit).sum();

@@ -27,18 +27,19 @@ std::optional<std::size_t> worstOf(std::span<const JointRest> rests, Chosen chos
 }
 
 std::string wordsOf(const JointRest& rest, std::size_t joint, bool person, std::string_view unit) {
-  if (!rest.driven) {
-    return fmt::format(
-        "The torque of joint {} is next to nothing, where the model's parts ask for {:.3g} {}, and {:.0f} % "
-        "of "
-        "that is left: its column may be dead.",
-        joint + 1, rest.torque_Nm, unit, kPercent * rest.structure_Nm() / rest.torque_Nm);
-  }
   return fmt::format(
       "No effect of the library explains what is left: {:.3g} {} on joint {}, {:.0f} % of its torque, where "
       "sensors{} make {:.2g} {}. Pushes of a person are to be declared (--person).",
       rest.structure_Nm(), unit, joint + 1, kPercent * rest.structure_Nm() / rest.torque_Nm,
       person ? " and declared pushes" : "", rest.noise_Nm, unit);
+}
+
+// Of a joint that is not driven, beside some that are.
+std::string deadWords(const JointRest& rest, std::size_t joint, std::string_view unit) {
+  return fmt::format(
+      "The torque of joint {} is next to nothing, where the model's parts ask for {:.3g} {}. "
+      "{:.0f} % of that is left: its column may be dead.",
+      joint + 1, rest.torque_Nm, unit, kPercent * rest.structure_Nm() / rest.torque_Nm);
 }
 
 }  // namespace
@@ -48,12 +49,17 @@ void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnos
     diagnosis.rests.push_back(
         {.torque_Nm = rest.torque_Nm, .structure_Nm = rest.structure_Nm(), .noise_Nm = rest.noise_Nm});
   }
+  const bool any_driven =
+      std::any_of(rests.begin(), rests.end(), [](const JointRest& rest) { return rest.driven; });
+  const auto mayBeDead = [&](std::size_t joint) { return any_driven && !rests[joint].driven; };
   const auto doubt = [&](Doubt::Kind kind, std::size_t joint) {
-    diagnosis.doubts.push_back({kind, wordsOf(rests[joint], joint, person, diagnosis.torque_unit)});
+    diagnosis.doubts.push_back({kind, mayBeDead(joint)
+                                          ? deadWords(rests[joint], joint, diagnosis.torque_unit)
+                                          : wordsOf(rests[joint], joint, person, diagnosis.torque_unit)});
   };
   // A spring may stand for a column that is dead.
   const auto bare = worstOf(rests, [&](std::size_t joint) {
-    return !rests[joint].driven ||
+    return mayBeDead(joint) ||
            std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
              return effect.asserted() && effect.joint == static_cast<int>(joint);
            });

@@ -210,8 +210,7 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
       })) {
     diagnosis.doubts.push_back({Doubt::kOutweighed,
                                 "What was found is smaller than what stays unexplained, or of unknown size: "
-                                "it may be a part of something "
-                                "else that is missing."});
+                                "it may be a part of something else that is missing."});
   }
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   if (std::string moved = beyondTolerance(diagnosis); !moved.empty()) {
