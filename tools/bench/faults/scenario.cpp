@@ -14,6 +14,8 @@ using sim::FrameChannel;
 
 constexpr double kMild = 0.25;
 constexpr double kComesAndGoes = 0.4;
+// Room for the person's push below the limiter's kVelocityFade.
+constexpr double kMotionShareOfVelocity = 0.6;
 
 // Messages of the rig that the loop cannot do without, the command, or all.
 int randomFrameChannel(Dice& dice) {
@@ -107,6 +109,29 @@ control::JointMotion randomMotion(double middle_rad, Dice& dice) {
                                  .phase_rad = dice.between(-std::numbers::pi, std::numbers::pi)};
 }
 
+// Whether the motion alone, blend included, would bring a joint near its velocity limit: the loop would stop
+// before the fault begins.
+bool tooFast(const app::RunConfig& config) {
+  const int joints = config.model.joints();
+  control::ReferenceTrajectory reference(joints, config.tick.reference);
+  JointVector start = JointVector::Zero(joints);
+  for (std::size_t joint = 0; joint < config.rig.initial_q_rad.size(); ++joint) {
+    start[static_cast<Eigen::Index>(joint)] = config.rig.initial_q_rad[joint];
+  }
+  reference.start(start);
+  constexpr double kStep_s = 0.005;
+  for (double t_s = 0.0; t_s < kTrialDuration_s; t_s += kStep_s) {
+    const JointVector dq = reference.at(t_s).dq;
+    for (int joint = 0; joint < joints; ++joint) {
+      if (std::abs(dq[joint]) >
+          kMotionShareOfVelocity * config.tick.limits.joint[static_cast<std::size_t>(joint)].velocity_rad_s) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 // Two of a kind in one place are one fault, and of two on an electrode the one hides the other: what either
 // owes could not be told.
 bool hides(const FaultEvent& one, const FaultEvent& other) {
@@ -177,10 +202,12 @@ void drawOperation(app::RunConfig& config, Dice& dice) {
   if (dice.chance(0.3)) {
     config.rig.operator_buttons.reset_at_s = {dice.between(kFirstFault_s, kTrialDuration_s)};
   }
-  config.tick.reference.blend_s = dice.between(0.5, 1.5);
-  for (std::size_t joint = 0; joint < static_cast<std::size_t>(config.model.joints()); ++joint) {
-    config.tick.reference.motion[joint] = randomMotion(joint % 2 == 0 ? -1.15 : -0.8, dice);
-  }
+  do {
+    config.tick.reference.blend_s = dice.between(0.5, 1.5);
+    for (std::size_t joint = 0; joint < static_cast<std::size_t>(config.model.joints()); ++joint) {
+      config.tick.reference.motion[joint] = randomMotion(joint % 2 == 0 ? -1.15 : -0.8, dice);
+    }
+  } while (tooFast(config));
 }
 
 app::RunConfig randomScenario(const app::RunConfig& base, std::uint64_t seed) {
