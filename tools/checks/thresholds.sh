@@ -40,15 +40,15 @@ fail() {
 
 # Filters, grids, floors of divisions, windows, units and pictures: ROOM/NAME.
 numerics="
-fit/kDifference fit/kFarthestLogarithm fit/kFarthestSlide_m fit/kLargestLogarithm fit/kLargest_rad fit/kNextToNothing fit/kRelativeStep
-fit/kMomentRounding fit/kNoFurtherGain fit/kRounding fit/kSimulationWindow_s
-checks/kAny checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDelay_s checks/kLongestLag_s
+fit/kDifference fit/kDifference_m fit/kFarthestLogarithm fit/kFarthestSlide_m fit/kLargestLogarithm fit/kLargest_rad fit/kNextToNothing fit/kRelativeStep
+fit/kMomentRounding fit/kUnit_kg fit/kNoFurtherGain fit/kRounding fit/kSimulationWindow_s
+checks/kAny checks/kAside_m checks/kDegree checks/kDegrees checks/kDelayGrid_s checks/kLongestDelay_s checks/kLongestLag_s
 checks/kFirstStep_rad checks/kLastStep_rad checks/kMillisecond checks/kPerResolution checks/kPerTurnDegrees checks/kResolution_s checks/kRidge checks/kSettled checks/kTurn checks/kTurns
 search/kDeviations95 search/kFastestChange_Hz search/kFirstSteps search/kFullySpanned search/kLastSteps search/kLeastVariance_Nm2
 search/kNarrowest search/kNearlySpanned search/kOffTheBound search/kSlowest_rad_s search/kSpanned search/kSpannedExactly search/kStep search/kUnknownLogarithm
-verdict/kBand_Hz verdict/kDifference_m verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
+verdict/kBand_Hz verdict/kFractionOfBin verdict/kIndependence verdict/kLeast verdict/kLineWidth_Hz
 verdict/kNeighbourhood_Hz verdict/kNever verdict/kNextToNone verdict/kNone verdict/kRate_Hz verdict/kRidge
-verdict/kSmall verdict/kSmoothing_Hz verdict/kStep verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s verdict/kUnit_kg
+verdict/kSmall verdict/kSmoothing_Hz verdict/kStep verdict/kStep_Hz verdict/kStretch_s verdict/kSwing_s
 "
 used=""
 for room in fit checks search verdict; do

@@ -11,6 +11,7 @@
 #include "tools/diagnose/checks/drive_timing.hpp"
 #include "tools/diagnose/checks/plausibility.hpp"
 #include "tools/diagnose/fit/torque_timing.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/search/late_drive.hpp"
@@ -76,7 +77,7 @@ Diagnosis undecided(const AnalysedRecordings& recordings, const model::ModelDesc
 void nameResized(Diagnosis& diagnosis) {
   for (const Runaway& runaway : diagnosis.runaways) {
     if (diagnosis.verdict == Verdict::kNothingMissing && runaway.resized) {
-      diagnosis.explanation += " But " + runaway.words + ".";
+      diagnosis.remarks.push_back("But " + runaway.words + ".");
     }
   }
 }
@@ -95,7 +96,7 @@ void warnOfRest(const AnalysedRecordings& recordings, Diagnosis& diagnosis) {
 void nameTakenUp(Diagnosis& diagnosis) {
   if (const std::string words = takenUpWithinTolerance(diagnosis);
       !words.empty() && diagnosis.verdict != Verdict::kInsufficientExcitation) {
-    diagnosis.explanation += " " + words;
+    diagnosis.remarks.push_back(words);
   }
 }
 
@@ -112,7 +113,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                         std::span<const double> cause_Nm, Suspects& suspects) {
   Diagnosis diagnosis;
   diagnosis.seed = options.seed;
-  diagnosis.torque_unit = model::isLinear(model.mechanism) ? "N" : "N·m";
+  diagnosis.extended = model;
   diagnosis.drive_timing = driveTiming(recordings);
   listInputs(recordings, diagnosis);
   listInputs(holdout, diagnosis);
@@ -141,7 +142,7 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
   const ModelFit& fit = found.selection.fit;
   nameEffects(analysed, found, left, options, cause_Nm, diagnosis);
   judgeConsistency(train, fit, analysed.names, diagnosis);
-  judgeRest(left.joints, !options.person_Nm.empty(), diagnosis);
+  judgeRest(left.joints, jointRms(train, found.nominal.residual), !options.person_Nm.empty(), diagnosis);
   judgeExcitation(signals, train, fit, found.atoms, diagnosis);
   diagnosis.revealed =
       revealedBy(*found.fitter, fit, found.atoms, diagnosis.rests, labelsIn(fit), chanceOf(diagnosis, fit));
@@ -156,14 +157,16 @@ Diagnosis diagnoseTimed(std::span<const Recording> recordings, std::span<const R
                 diagnosis);
   settle(diagnosis);
   if (diagnosis.verdict == Verdict::kUnknownEffect) {
-    const std::string hint = causeHint(train, model, found.nominal);
-    diagnosis.explanation += (hint.empty() ? "" : " ") + hint;
+    if (std::string hint = causeHint(train, model, found.nominal); !hint.empty()) {
+      diagnosis.remarks.push_back(std::move(hint));
+    }
   }
   diagnosis.runaways = runawaysOf(diagnosis, model, options.fit());
   nameResized(diagnosis);
   nameTakenUp(diagnosis);
+  settle(diagnosis);
   suspects.cause = suspectedCause(train, leastLateness_s(recordings), model, found.nominal, fit, diagnosis);
-  suspects.body = suspectedBody(train, model, options.fit(), diagnosis);
+  suspects.body = suspectedBody(train, model, options.fit(), fit.redundancy(), diagnosis);
   return diagnosis;
 }
 
@@ -197,7 +200,7 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
                    const model::ModelDescription& model, const DiagnoseOptions& options) {
   requirePlausible(recordings, model);
   requirePlausible(holdout, model);
-  std::vector<Recording> timed = withTorqueTiming(recordings, model);
+  std::vector<Recording> timed = withTorqueTiming(recordings, model, options.fit());
   std::vector<Recording> timed_holdout(holdout.begin(), holdout.end());
   for (Recording& recording : timed_holdout) {
     recording.torque_timing =
@@ -211,7 +214,8 @@ Diagnosis diagnose(std::span<const Recording> recordings, std::span<const Record
     return *std::move(taken_out);
   }
   if (body) {
-    Diagnosis with_body = diagnoseTimed(timed, timed_holdout, withBody(model, *body), options, {}, suspects);
+    Diagnosis with_body =
+        diagnoseTimed(timed, timed_holdout, withBody(model, body->body), options, {}, suspects);
     if (bodyBearsOut(with_body, diagnosis)) {
       return withBodyFound(*body, std::move(with_body), diagnosis);
     }

@@ -27,6 +27,7 @@
 #include "tools/diagnose/plan_command.hpp"
 #include "tools/diagnose/regression/excerpts.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/options/number_range.hpp"
 #include "tools/options/run_program.hpp"
 #include "tools/recordings/recording_file.hpp"
@@ -67,8 +68,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option(
          "--data", a.data,
          fmt::format("run folders of the loop, CSV files (t_s, q1_rad, tau1_Nm …: seconds, rad, N·m; on "
-                     "a rail m and N) or logs of frames; diagnosed together, excerpts of {:.0f} s "
-                     "where they are longer",
+                     "a rail m and N) or logs of frames; diagnosed together, {:.0f} s "
+                     "in evenly spread excerpts where they are longer",
                      length::kMostAnalysed_s))
       ->required();
   app.add_option("--out", a.out, "folder for report.html, diagnosis.json and model.extended.toml")
@@ -79,10 +80,9 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--bus-map", a.recording.bus_map,
                  "which signal is which input; the loop's own unless given");
   app.add_option("--torque", a.torque_timing,
-                 "held: until the next sample; sampled: what acted at the sample; as the form of the file "
-                 "says unless "
-                 "given")
-      ->check(CLI::IsMember({"held", "sampled"}));
+                 "held: until the next sample; sampled: what acted at the sample; before: since the sample "
+                 "before; as the form of the file and the motion say unless given")
+      ->check(CLI::IsMember(torqueTimingNames()));
   auto* holdout =
       app.add_option("--holdout", a.holdout, "recordings to judge the result by, in place of a part of DATA");
   app.add_option("--holdout-fraction", a.options.holdout_fraction,
@@ -128,17 +128,21 @@ std::vector<std::string> chosenKinds(const std::vector<std::string>& effects) {
 
 // Each is cut before the next is read: the whole of some hours would not fit in memory.
 std::vector<Recording> loadAll(const std::vector<fs::path>& paths, const RecordingOptions& options,
-                               ProgressLine& progress) {
+                               double heldout_fraction, ProgressLine& progress) {
+  // Both parts have to be long enough to be read; a little more, as rows are whole.
+  constexpr double kRoom = 1.1;
+  const double shortest_part = std::min(heldout_fraction, 1.0 - heldout_fraction);
+  const double least_s = kRoom * readable::kShortest_s / shortest_part;
   std::vector<Recording> recordings;
   for (const fs::path& path : paths) {
     progress.at("reading " + path.string(),
                 static_cast<double>(recordings.size()) / static_cast<double>(paths.size()));
     std::vector<Recording> one;
     one.push_back(loadRecording(path, options));
-    limitLength(one, length::kMostAnalysed_s);
+    limitLength(one, length::kMostAnalysed_s, least_s);
     recordings.push_back(std::move(one.front()));
   }
-  limitLength(recordings, length::kMostAnalysed_s);
+  limitLength(recordings, length::kMostAnalysed_s, least_s);
   return recordings;
 }
 
@@ -162,7 +166,7 @@ std::string heading(const Arguments& arguments, const Diagnosis& diagnosis) {
 void run(Arguments& a) {
   a.options.effects = chosenKinds(a.effects);
   if (!a.torque_timing.empty()) {
-    a.recording.torque_timing = a.torque_timing == "held" ? TorqueTiming::kHeld : TorqueTiming::kSampled;
+    a.recording.torque_timing = torqueTimingNamed(a.torque_timing);
   }
   const model::ModelDescription model = app::loadModel(a.model);
   a.recording.joints = model.joints();
@@ -173,8 +177,10 @@ void run(Arguments& a) {
   }
   ResultFolder folder(a.out);
   ProgressLine progress(std::cerr, isatty(STDERR_FILENO) == 1);
-  const std::vector<Recording> recordings = loadAll(a.data, a.recording, progress);
-  const std::vector<Recording> holdout = loadAll(a.holdout, a.recording, progress);
+  const std::vector<Recording> recordings =
+      loadAll(a.data, a.recording, a.options.holdout_fraction, progress);
+  const std::vector<Recording> holdout =
+      loadAll(a.holdout, a.recording, a.options.holdout_fraction, progress);
   a.options.progress = [&](std::string_view stage, double fraction) { progress.at(stage, fraction); };
   Diagnosis diagnosis = diagnose::diagnose(recordings, holdout, model, a.options);
   diagnosis.plan_command = planCommandLine(diagnosis, a.model, a.out);

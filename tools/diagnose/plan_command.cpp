@@ -37,7 +37,8 @@ struct Arguments {
   bool plan = false;
   fs::path config, model, from, out;
   std::vector<std::string> effects;
-  std::vector<double> q_min_rad, q_max_rad, velocity_rad_s, torque_Nm, start_rad, noise_Nm, reach_m;
+  std::vector<double> q_min_rad, q_max_rad, velocity_rad_s, torque_Nm, start_rad, noise_Nm, person_Nm,
+      reach_m;
   PlanTiming timing;
   DesignOptions design;
   double nominal_tolerance = runaway::kTolerance;
@@ -88,6 +89,8 @@ void declare(CLI::App& app, Arguments& a) {
       "--noise", a.noise_Nm,
       "N·m, rms of each joint's torque that no model explains; the diagnosis', or 0.2 % of the torque limit, "
       "unless given");
+  list("--person", a.person_Nm,
+       "N·m, rms of what a person will push each joint with, beside the noise; nobody pushes unless given");
   app.add_option("--nominal-tolerance", a.nominal_tolerance,
                  "standard deviation, relative, by which the model's parameters may be wrong")
       ->check(options::numberFrom(1e-4, 1.0))
@@ -154,12 +157,12 @@ void setLimits(const Arguments& a, bool configured, PlanRequest& request) {
 
 // A start that takes more torque than a plan may ask for leaves no motion at all.
 void requireHold(const Arguments& a, const PlanRequest& request) {
-  const char* const unit = model::isLinear(request.model.mechanism) ? "N" : "N·m";
   const JointVector rest = JointVector::Zero(request.model.joints());
   const JointVector hold_Nm = TorqueAlong(request.model).at(request.start_rad, rest, rest, 0.0, true);
   for (int j = 0; j < request.model.joints(); ++j) {
     const double limit_Nm = request.limits.joint[static_cast<std::size_t>(j)].torque_Nm;
     const double needed_Nm = std::abs(hold_Nm[j]) / kTorqueShare;
+    const std::string unit = unitsOf(request.model.mechanism, j).torque;
     constexpr double kDigits = 100.0;  // of the least limit, which is not rounded down
     if (limit_Nm < needed_Nm) {
       throw std::invalid_argument(fmt::format(
@@ -212,6 +215,7 @@ void setNoise(const Arguments& a, std::vector<NoiseOfJoint> known, PlanRequest& 
   /// A recording without any noise has the last bit of its numbers.
   constexpr double kLeast = 1e-6;
   requireCount("--noise", a.noise_Nm, request.model.joints());
+  requireCount("--person", a.person_Nm, request.model.joints());
   request.noise = std::move(known);
   request.noise.resize(static_cast<std::size_t>(request.model.joints()));
   for (std::size_t j = 0; j < request.noise.size(); ++j) {
@@ -229,6 +233,14 @@ void setNoise(const Arguments& a, std::vector<NoiseOfJoint> known, PlanRequest& 
       noise_Nm = kUsualNoise * limit_Nm;
     }
     noise_Nm = std::max(noise_Nm, kLeast * limit_Nm);
+    if (!a.person_Nm.empty()) {
+      if (!(a.person_Nm[j] >= 0.0 && a.person_Nm[j] < limit_Nm)) {
+        throw std::invalid_argument(fmt::format(
+            "--person of joint {}: value {}, expected 0 or more and less than its torque limit {}", j + 1,
+            a.person_Nm[j], limit_Nm));
+      }
+      noise_Nm = std::hypot(noise_Nm, std::sqrt(kIndependent_Hz / kPushes_Hz) * a.person_Nm[j]);
+    }
   }
 }
 

@@ -71,6 +71,8 @@ inline constexpr double kAsGoodOfMachines = 1.75;
 /// Share of a joint's range on which its friction comes up after a reversal. It is late then, as a torque
 /// column may be. A mixture of it and of dry friction has the shape of any friction that comes up earlier.
 inline constexpr double kPreslidingShare = 0.01;
+/// The same of springs in a drive's way to the joint, such as cables and contacts of grease.
+inline constexpr double kSlowPreslidingShare = 0.1;
 /// Multiple of the inertia that a joint moves up to which a motor's is a plain effect: gears are chosen so
 /// that the two are about alike, and what is more would explain a torque in another unit.
 inline constexpr double kMostMotor = 5.0;
@@ -91,15 +93,15 @@ inline constexpr double kLargestAngle_rad = 12.566;
 }  // namespace convention
 
 /// Did the torque act at its sample, where the form of the file says that it was held?
-// A torque that was held acts half a period of the samples later.
+// A torque that was held acts half a period of the samples later, one that acted before its sample earlier.
 namespace torque_timing {
 /// Standard deviation, in half periods, up to which a joint has a vote.
 inline constexpr double kTells = 0.45;
-/// Half periods by which the motion comes early: below, the torque was held …
-inline constexpr double kLeast = 0.5;
-/// … above, and below the same distance from none, something else makes the motion come early or late.
-inline constexpr double kMost = 1.5;
-/// Standard deviations by which a vote, and all of them together, have to contradict the other answer.
+/// Half periods between a joint's estimate and the nearest of three answers: held, which is none early,
+/// sampled, which is one, and since the sample before, which is two. What is farther from all comes early or
+/// late by something else.
+inline constexpr double kNear = 0.5;
+/// Standard deviations by which a vote, and all of them together, have to contradict another answer.
 inline constexpr double kSure = 2.0;
 }  // namespace torque_timing
 
@@ -132,8 +134,8 @@ inline constexpr double kSingleLine = 0.97;
 inline constexpr double kSameFrequency = 0.05;
 /// Share of the effects looked for on a joint that do not show: above, the joint tells next to nothing.
 inline constexpr double kNearlyAll = 0.75;
-/// Multiple of the noise, if not unknown::kRestOfNothing of a joint's torque, from which on every plain
-/// effect should show …
+/// Plain effects should show from this multiple of the noise on, or from unknown::kRestOfNothing of a joint's
+/// torque where that is more …
 inline constexpr double kPlainStrength = 3.0;
 /// … and share of the plain effects that may not, where nothing was found.
 inline constexpr double kMostPlainUnseen = 0.5;
@@ -263,8 +265,8 @@ inline constexpr double kNear = 0.35;
 /// −2 log posterior within which two effects explain the data equally well. By more than that, the held-out
 /// part puts one before the other.
 inline constexpr double kMargin = 6.0;
-/// The same without regard to the number of parameters: what explains no less is no worse an answer for
-/// having more of them, which its physics may have fixed.
+/// As kMargin, of the fit alone: more parameters do not make a rival worse, as its physics may have fixed
+/// them.
 inline constexpr double kAsWell = 2.7;
 /// The same as a share of what was found explains: where that is much, small faults of any model, which grow
 /// with it, count for more than noise.

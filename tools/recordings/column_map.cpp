@@ -108,9 +108,7 @@ void readTime(const TomlTable& recording, ColumnMap& map) {
     constexpr app::Range kRates{.minimum = 2.0, .maximum = 5e4};  // those of stamps, see time_units
     map.rate_Hz = recording.number("rate_Hz", kRates);
   }
-  map.torque_timing = recording.choice("torque", std::vector<std::string>{"held", "sampled"}) == "held"
-                          ? TorqueTiming::kHeld
-                          : TorqueTiming::kSampled;
+  map.torque_timing = torqueTimingNamed(recording.choice("torque", torqueTimingNames()));
 }
 
 void readForm(const TomlTable& recording, ColumnMap& map) {

@@ -136,9 +136,18 @@ std::string otherUnit(std::span<const std::string> missing, std::span<const std:
   return {};
 }
 
+// A file that holds no text may have a line of any length.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t kLongestName = 40;
+  return name.size() <= kLongestName ? name : name.substr(0, kLongestName) + "…";
+}
+
 std::string found(std::span<const std::string> header) {
   const std::size_t listed = std::min(header.size(), kMostNamesListed);
-  return "the file has " + app::quotedList(header.first(listed)) +
+  std::vector<std::string> names;
+  std::transform(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(listed),
+                 std::back_inserter(names), shortened);
+  return "the file has " + app::quotedList(names) +
          (listed < header.size() ? fmt::format(" and {} more", header.size() - listed) : "");
 }
 

@@ -20,7 +20,7 @@ struct RawRecording {
   TorqueTiming torque_timing = TorqueTiming::kHeld;
   bool torque_timing_assumed = false;
   bool is_static = false;
-  /// Rate of the recording's own clock; where it is absent, the median step tells it.
+  /// Rate of the recording's own clock; where it is absent, the stamps tell it.
   std::optional<double> rate_Hz;
   std::string time_name = "t_s";  ///< of the column of stamps, for messages
   std::vector<double> stamp_s;    ///< empty for a table of postures

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/types.hpp"
@@ -15,7 +16,13 @@ namespace patella::diagnose {
 enum class TorqueTiming {
   kHeld,     ///< commanded at the sample and held until the next: half of it and half of the one before acted
   kSampled,  ///< what acted at the instant of the sample
+  kBefore,   ///< what acted from the sample before until this one: a drive's reply to its next command
 };
+
+/// "held", "sampled", "before": in the order of TorqueTiming.
+const std::vector<std::string>& torqueTimingNames();
+/// Of one of those names. Throws std::invalid_argument for another.
+TorqueTiming torqueTimingNamed(std::string_view name);
 
 /// Rows first … end−1 of a recording that follow each other without a gap.
 struct Segment {

@@ -81,6 +81,12 @@ Recording loadRecording(const std::filesystem::path& path, const RecordingOption
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "ticks.csv" : path;
   // Before anything else: a file that cannot be read is reported as such.
   std::string sha256 = app::fileSha256(file);
+  if (options.torque_timing == TorqueTiming::kBefore && (isLog(file) || isLoopTable(file))) {
+    throw app::FileError(
+        file.string() +
+        ": was recorded by the loop or on its bus, where the time at which a torque acted is "
+        "known: expected held or sampled for --torque");
+  }
   RawRecording raw = isLog(file) ? readFrames(file, options) : readTable(file, options);
   raw.torque_timing = options.torque_timing.value_or(raw.torque_timing);
   raw.torque_timing_assumed = raw.torque_timing_assumed && !options.torque_timing;

@@ -16,7 +16,6 @@
 #include "tools/recordings/repeated_samples.hpp"
 #include "tools/recordings/sample_clock.hpp"
 #include "tools/recordings/time_units.hpp"
-#include "tools/recordings/torque_clipping.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -235,9 +234,7 @@ void fillJoints(RawRecording& raw, const Instants& instants, const std::vector<S
   // of them what acted. Rows of the grid that repeated the sample before them would be late twice.
   constexpr Interpolation kOfTorque = Interpolation::kLinear;
   for (std::size_t j = 0; j < static_cast<std::size_t>(raw.joints); ++j) {
-    const std::vector<double> torque = taken(raw.torque_Nm[j]);
-    warnOfClipping(torque, j, recording.warnings);
-    recording.torque_Nm[j] = resampled(torque, stretches, kOfTorque);
+    recording.torque_Nm[j] = resampled(taken(raw.torque_Nm[j]), stretches, kOfTorque);
     recording.position_rad[j] = resampled(taken(raw.position_rad[j]), stretches, Interpolation::kCubic);
     if (!raw.velocity_rad_s[j].empty()) {
       recording.velocity_rad_s[j] = resampled(taken(raw.velocity_rad_s[j]), stretches, Interpolation::kCubic);

@@ -31,11 +31,11 @@ void declareInput(CLI::App& app, Arguments& a) {
   app.add_option("--dbc", a.recording.dbc,
                  "bus description of logs of frames, in place of the configuration's")
       ->check(CLI::ExistingFile);
-  app.add_option(
-         "--torque", a.torque_timing,
-         "held: until the next sample; sampled: what acted at the sample; as the form of the file says "
-         "unless given")
-      ->check(CLI::IsMember({"held", "sampled"}));
+  app.add_option("--torque", a.torque_timing,
+                 "held: until the next sample; sampled: what acted at the sample; before: since the sample "
+                 "before; as "
+                 "the form of the file says unless given")
+      ->check(CLI::IsMember(diagnose::torqueTimingNames()));
 }
 
 void declareTask(CLI::App& app, Arguments& a) {
@@ -191,8 +191,7 @@ void declareScore(CLI::App& app, Arguments& a) {
 
 void understand(Arguments& a) {
   if (!a.torque_timing.empty()) {
-    a.recording.torque_timing =
-        a.torque_timing == "held" ? diagnose::TorqueTiming::kHeld : diagnose::TorqueTiming::kSampled;
+    a.recording.torque_timing = diagnose::torqueTimingNamed(a.torque_timing);
   }
   a.split.kind = positionOf<SplitKind>(a.split_name, splitNames());
   a.split.seed = a.training.seed;

@@ -14,7 +14,7 @@ namespace {
 
 using model::ModelDescription;
 
-const CarriedBody kBody{.mass_kg = 1.2, .at_m = {0.2, 0.05, -0.04}};
+const PointBody kBody{.mass_kg = 1.2, .at_m = {0.2, 0.05, -0.04}};
 
 ModelDescription arm(double masses = 1.0) {
   return uprightChain(3, masses);

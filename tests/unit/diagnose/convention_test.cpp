@@ -1,6 +1,7 @@
 // Promises of the judgement of conventions: each changes states as its words say, the right one explains a
 // recording that was made with it, and none is found in a recording that the model explains.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -8,7 +9,9 @@
 #include <Eigen/LU>
 #include <doctest/doctest.h>
 
+#include "tests/unit/diagnose/chain_recordings.hpp"
 #include "tests/unit/diagnose/swinging_arm.hpp"
+#include "tools/diagnose/fit/point_body.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 using namespace patella;
@@ -113,6 +116,71 @@ TEST_CASE(
   CHECK(isAmong(wrongIn(recording), ConventionKind::kTorqueShift, 1, 0.03, 0.02));
 }
 
+namespace {
+
+// A leg sits down and stands up. Dry friction holds both joints in between, and their drives work up to it
+// before the next motion starts. By minimum jerk, as Flash and Hogan have it.
+Recording sittingDown(const model::ModelDescription& leg) {
+  constexpr double kRate_Hz = 100.0, kMove_s = 1.5, kPause_s = 1.0, kWorkUp_s = 0.3;
+  constexpr std::array kFriction_Nm{9.0, 6.0}, kSeated_rad{-1.3, -1.5}, kUp_rad{-0.3, -0.2};
+  model::DynamicsModel dynamics = model::makeModel(leg);
+  Recording recording;
+  recording.name = "sitting.csv";
+  recording.rate_Hz = kRate_Hz;
+  recording.joints = 2;
+  recording.torque_timing = TorqueTiming::kSampled;
+  for (int i = 0; i < static_cast<int>(40.0 * kRate_Hz); ++i) {
+    const double t = i / kRate_Hz, within = std::fmod(t, kMove_s + kPause_s);
+    const double direction = static_cast<int>(t / (kMove_s + kPause_s)) % 2 == 0 ? 1.0 : -1.0;
+    const double x = std::min(1.0, within / kMove_s), left = 1.0 - x;
+    model::EffectInput state;
+    state.q.resize(2);
+    state.dq.resize(2);
+    state.torque_Nm.setZero(2);
+    JointVector ddq(2);
+    for (std::size_t j = 0; j < 2; ++j) {
+      const auto joint = static_cast<Eigen::Index>(j);
+      const double way = direction * (kUp_rad[j] - kSeated_rad[j]);
+      state.q[joint] =
+          (direction > 0.0 ? kSeated_rad[j] : kUp_rad[j]) + way * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+      state.dq[joint] = way * 30.0 * x * x * left * left / kMove_s;
+      ddq[joint] = way * 60.0 * x * left * (1.0 - 2.0 * x) / (kMove_s * kMove_s);
+    }
+    const JointVector torque = dynamics.inverseDynamics(state, ddq);
+    const double remains_s = kMove_s + kPause_s - within;
+    const double rubs = direction * (remains_s < kWorkUp_s ? 2.0 * remains_s / kWorkUp_s - 1.0 : 1.0);
+    recording.time_s.push_back(t);
+    for (std::size_t j = 0; j < 2; ++j) {
+      const auto joint = static_cast<Eigen::Index>(j);
+      recording.position_rad[j].push_back(state.q[joint]);
+      recording.torque_Nm[j].push_back(torque[joint] + kFriction_Nm[j] * rubs);
+    }
+  }
+  recording.segments = {{.first = 0, .end = recording.rows()}};
+  return recording;
+}
+
+}  // namespace
+
+TEST_CASE("friction that holds joints between two poses is no torque that comes early") {
+  const model::ModelDescription leg{.mechanism = model::PlanarTwoLinkParameters{.mass_kg = {8.5, 4.2},
+                                                                                .length_m = {0.43, 0.42},
+                                                                                .com_m = {0.19, 0.24},
+                                                                                .inertia_kg_m2 = {0.16, 0.09},
+                                                                                .gravity_m_s2 = 9.81},
+                                    .effects = {}};
+  const Recording recording = sittingDown(leg);
+  // All rows together say so.
+  CHECK(isAmong(wrongIn(recording, leg), ConventionKind::kTorqueShift, kAllJoints));
+  CHECK_NOTHROW(requireConventions(recording, leg));
+}
+
+TEST_CASE("a payload on the last link is no unit of its torque") {
+  const model::ModelDescription arm = uprightChain(3, 1.0);
+  const Recording loaded = moved(withBody(arm, {.mass_kg = 3.0, .at_m = {0.3, 0.0, 0.0}}), 30.0, 0.001);
+  CHECK(wrongIn(loaded, arm).empty());
+}
+
 TEST_CASE("a sign, a unit, a zero and a clock of one joint are named with joint and size") {
   Recording recording = swinging();
   SUBCASE("sign of a torque: friction that drives gives it away") {
@@ -190,7 +258,7 @@ TEST_CASE("a torque that comes early by no more than drives act late is no readi
 }
 
 TEST_CASE("a torque that comes too early may be that of a late drive, and is where the model declares one") {
-  constexpr std::ptrdiff_t kRows = 8;
+  constexpr std::ptrdiff_t kRows = 9;
   constexpr double kEarly_s = kRows / 200.0;
   Recording recording = swinging();
   std::vector<double>& torque = recording.torque_Nm[1];

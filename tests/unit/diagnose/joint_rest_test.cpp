@@ -37,10 +37,10 @@ TEST_CASE("what noise explains is not structure") {
   CHECK(JointRest{.torque_Nm = 1.0, .left_Nm = 0.05, .noise_Nm = 0.1}.structure_Nm() == 0.0);
 }
 
-TEST_CASE("a large rest speaks against every answer where nothing is asserted on its joint") {
-  const std::array rests{JointRest{.torque_Nm = 5.0, .left_Nm = 0.1, .noise_Nm = 0.05},
-                         JointRest{.torque_Nm = 5.0, .left_Nm = 2.0, .noise_Nm = 0.05}};
-  const auto kindsWithEffectOn = [&](int joint) {
+TEST_CASE("what is left speaks against every answer where nothing is asserted on its joint") {
+  const auto kindsOf = [](double left_Nm, double before_Nm, int joint) {
+    const std::array rests{JointRest{.torque_Nm = 5.0, .left_Nm = 0.1, .noise_Nm = 0.05},
+                           JointRest{.torque_Nm = 5.0, .left_Nm = left_Nm, .noise_Nm = 0.05}};
     Diagnosis diagnosis;
     diagnosis.effects.push_back({.kind = "coulomb_friction",
                                  .joint = joint,
@@ -48,15 +48,19 @@ TEST_CASE("a large rest speaks against every answer where nothing is asserted on
                                  .indistinguishable_from = {},
                                  .replaces = {},
                                  .separating_motion = {}});
-    judgeRest(rests, false, diagnosis);
+    judgeRest(rests, std::array{before_Nm, left_Nm}, false, diagnosis);
     std::vector<Doubt::Kind> kinds;
     for (const Doubt& doubt : diagnosis.doubts) {
       kinds.push_back(doubt.kind);
     }
     return kinds;
   };
-  CHECK(kindsWithEffectOn(0) == std::vector{Doubt::kJointUnexplained, Doubt::kLargeRest});
-  CHECK(kindsWithEffectOn(1) == std::vector{Doubt::kLargeRest});
+  constexpr double kMuch_Nm = 2.0, kSome_Nm = 0.5, kTrifle_Nm = 0.2;
+  CHECK(kindsOf(kMuch_Nm, kMuch_Nm, 0) == std::vector{Doubt::kJointUnexplained, Doubt::kLargeRest});
+  CHECK(kindsOf(kMuch_Nm, kMuch_Nm, 1) == std::vector{Doubt::kLargeRest});
+  // Less than what was found, and more.
+  CHECK(kindsOf(kSome_Nm, kMuch_Nm, 0) == std::vector{Doubt::kSomeRest});
+  CHECK(kindsOf(kSome_Nm, kTrifle_Nm, 0) == std::vector{Doubt::kJointUnexplained, Doubt::kSomeRest});
 }
 
 TEST_CASE("a joint without a drive is measured against its load") {

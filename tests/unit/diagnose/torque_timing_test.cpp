@@ -25,7 +25,7 @@ Recording asItActed(Recording recording) {
 }
 
 TorqueTiming timingOf(const Recording& recording, const model::ModelDescription& model) {
-  return diagnose::withTorqueTiming(std::span(&recording, 1), model).front().torque_timing;
+  return diagnose::withTorqueTiming(std::span(&recording, 1), model, {}).front().torque_timing;
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ TEST_CASE("whether a torque was held shows in the motion, unless somebody says")
       held.torque_timing_assumed = true;
       CHECK(timingOf(held, drawn.nominal) == TorqueTiming::kHeld);
       Recording acted = asItActed(held);
-      const auto settled = diagnose::withTorqueTiming(std::span(&acted, 1), drawn.nominal);
+      const auto settled = diagnose::withTorqueTiming(std::span(&acted, 1), drawn.nominal, {});
       CHECK(settled.front().torque_timing == TorqueTiming::kSampled);
       REQUIRE_FALSE(settled.front().warnings.empty());
       CHECK(settled.front().warnings.back().find("--torque") != std::string::npos);
@@ -50,6 +50,20 @@ TEST_CASE("whether a torque was held shows in the motion, unless somebody says")
       CHECK(timingOf(acted, drawn.nominal) == TorqueTiming::kHeld);
     }
   }
+}
+
+TEST_CASE("a torque that acted since the sample before is told, too") {
+  const Case drawn = drawCase(
+      7000001, Suite::kSingle,
+      {.effect = "viscous_friction", .mechanism = "adult_leg", .motion = "multisine", .strength = 1.0});
+  Recording before = drawn.run.recording;
+  before.torque_timing_assumed = true;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(before.joints); ++j) {
+    std::vector<double>& torque_Nm = before.torque_Nm[j];
+    torque_Nm.insert(torque_Nm.begin(), torque_Nm.front());
+    torque_Nm.pop_back();
+  }
+  CHECK(timingOf(before, drawn.nominal) == TorqueTiming::kBefore);
 }
 
 TEST_CASE(
@@ -69,7 +83,7 @@ TEST_CASE(
 
   Recording mixed = acted;
   mixed.torque_Nm[0] = held.torque_Nm[0];
-  const auto undecided = diagnose::withTorqueTiming(std::span(&mixed, 1), drawn.nominal);
+  const auto undecided = diagnose::withTorqueTiming(std::span(&mixed, 1), drawn.nominal, {});
   CHECK(undecided.front().torque_timing == TorqueTiming::kHeld);
   REQUIRE_FALSE(undecided.front().warnings.empty());
   CHECK(undecided.front().warnings.back().find("some joints follow their torque") != std::string::npos);

@@ -59,12 +59,12 @@ TEST_CASE("errors before and after, with their unit; what is no number is null")
   CHECK(out["error"]["after"]["heldout_relative"] == json{0.01, 0.008});
   CHECK(out["error"]["after"]["train_relative"] == json{0.01, 0.007});
   CHECK(out["error"]["noise_floor"] == json{0.19, 0.05});
-  CHECK(out["error"]["unit"] == "N·m");
+  CHECK(out["error"]["units"] == json{"N·m", "N·m"});
   CHECK(out["simulation_error"]["window_s"] == 0.5);
   CHECK(out["simulation_error"]["before"] == json{0.002, 0.31});
   CHECK(out["simulation_error"]["after"][0] == 0.002);
   CHECK(out["simulation_error"]["after"][1].is_null());
-  CHECK(out["simulation_error"]["unit"] == "rad");
+  CHECK(out["simulation_error"]["units"] == json{"rad", "rad"});
 }
 
 TEST_CASE("the way to the answer is told") {

@@ -35,7 +35,7 @@ std::size_t rowsIn(const Recording& recording) {
 
 TEST_CASE("a recording that is short enough stays as it is") {
   std::vector<Recording> recordings{counted(3000, {{.first = 0, .end = 3000}})};
-  limitLength(recordings, 30.0);
+  limitLength(recordings, 30.0, 2.0);
   CHECK(recordings[0].rows() == 3000);
   CHECK(recordings[0].segments.size() == 1);
   CHECK(recordings[0].warnings.empty());
@@ -43,7 +43,7 @@ TEST_CASE("a recording that is short enough stays as it is") {
 
 TEST_CASE("a long recording leaves excerpts from beginning to end, every signal alike, and says so") {
   std::vector<Recording> recordings{counted(400000, {{.first = 0, .end = 400000}})};  // 4000 s
-  limitLength(recordings, 60.0);
+  limitLength(recordings, 60.0, 2.0);
   const Recording& cut = recordings[0];
   REQUIRE(cut.segments.size() == 4);
   CHECK(cut.rows() == rowsIn(cut));
@@ -69,7 +69,7 @@ TEST_CASE("a long recording leaves excerpts from beginning to end, every signal 
 TEST_CASE("no excerpt bridges a gap") {
   std::vector<Recording> recordings{
       counted(50000, {{.first = 0, .end = 12500}, {.first = 12500, .end = 50000}})};
-  limitLength(recordings, 150.0);
+  limitLength(recordings, 150.0, 2.0);
   const Recording& cut = recordings[0];
   CHECK(cut.rows() == doctest::Approx(15000).epsilon(0.001));
   for (const Segment& segment : cut.segments) {
@@ -84,16 +84,24 @@ TEST_CASE("of several recordings the short ones stay whole") {
   std::vector<Recording> recordings{counted(1000, {{.first = 0, .end = 1000}}),
                                     counted(100000, {{.first = 0, .end = 100000}}),
                                     counted(200000, {{.first = 0, .end = 200000}})};
-  limitLength(recordings, 110.0);
+  limitLength(recordings, 110.0, 2.0);
   CHECK(recordings[0].rows() == 1000);
   CHECK(recordings[1].rows() == doctest::Approx(5000).epsilon(0.001));
   CHECK(recordings[2].rows() == doctest::Approx(5000).epsilon(0.001));
+}
+
+TEST_CASE("of many recordings each keeps what can be analysed") {
+  std::vector<Recording> recordings(40, counted(3000, {{.first = 0, .end = 3000}}));
+  limitLength(recordings, 150.0, 7.5);
+  for (const Recording& recording : recordings) {
+    CHECK(recording.rows() == doctest::Approx(750).epsilon(0.01));
+  }
 }
 
 TEST_CASE("postures at rest have no length") {
   Recording postures = counted(100000, {{.first = 0, .end = 100000}});
   postures.is_static = true;
   std::vector<Recording> recordings{postures};
-  limitLength(recordings, 1.0);
+  limitLength(recordings, 1.0, 2.0);
   CHECK(recordings[0].rows() == 100000);
 }

@@ -96,7 +96,7 @@ TEST_CASE("postures have no time, no spectrum and no velocity") {
 
 TEST_CASE("a linear axis has its units, and a diagnosis without curves no figures") {
   Diagnosis diagnosis = test::madeUpPostures();
-  diagnosis.torque_unit = "N";
+  diagnosis.extended.mechanism = model::PrismaticJointParameters{};
   CHECK(residualFigures(diagnosis)[0].x_label == "position of joint 1 / m");
   CHECK(residualFigures(diagnosis)[0].y_label == "(drive − model) / N");
   CHECK(residualFigures(Diagnosis{}).empty());

@@ -179,21 +179,6 @@ TEST_CASE("a command beside a measured torque is kept") {
   }
 }
 
-TEST_CASE("a torque that sits at its limit is warned of, a sinusoid is not") {
-  const auto clipped = csv(
-      kHeader, 2000, [](int i) { return row(0.001 * i, std::min(12.0, 13.0 * std::sin(0.02 * i + 0.001))); });
-  const Recording recording = loaded(clipped);
-  REQUIRE(recording.warnings.size() == 1);
-  CHECK(recording.warnings[0].starts_with("torque of joint 1 is clipped at 12 N·m in 1"));
-  CHECK(recording.warnings[0].ends_with(" % of the recording"));
-  for (const double resolution : {1e-6, 0.5}) {
-    const auto whole = csv(kHeader, 2000, [&](int i) {
-      return row(0.001 * i, resolution * std::round(13.0 * std::sin(0.02 * i) / resolution));
-    });
-    CHECK(loaded(whole).warnings.empty());
-  }
-}
-
 TEST_CASE("raw EMG becomes activation between nothing and its own largest") {
   // Half a second of rest, then a burst of 100 Hz on channel 2; channel 1 is not connected.
   const auto text = csv(std::string(kHeader) + ",emg1_mV,emg2_mV", 2000, [](int i) {

@@ -351,7 +351,7 @@ class PlantedCases {
                                                             const model::ModelDescription& best,
                                                             const PlantedEffect& plant) {
     recording.torque_timing =
-        diagnose::withTorqueTiming(std::span(&recording, 1), best).front().torque_timing;
+        diagnose::withTorqueTiming(std::span(&recording, 1), best, {}).front().torque_timing;
     plantIn(recording, plant, model::makeModel({.mechanism = best.mechanism, .effects = {}}).mechanism());
     return decide(recording, best);
   }

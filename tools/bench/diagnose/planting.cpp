@@ -117,6 +117,11 @@ void plantIn(Recording& recording, const PlantedEffect& plant, const model::Mech
       planted[i] = 0.5 * (planted[i] + planted[i + 1]);
     }
   }
+  if (recording.torque_timing == diagnose::TorqueTiming::kBefore) {
+    for (std::size_t i = planted.size() - 1; i > 0; --i) {
+      planted[i] = 0.5 * (planted[i] + planted[i - 1]);
+    }
+  }
   // A load on one joint is carried by those before it, too.
   for (std::size_t j = 0; j < static_cast<std::size_t>(recording.joints); ++j) {
     for (std::size_t i = 0; i < planted.size(); ++i) {

@@ -14,6 +14,7 @@
 
 #include "tools/diagnose/checks/convention_pairs.hpp"
 #include "tools/diagnose/checks/mounting.hpp"
+#include "tools/diagnose/fit/sticking.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -160,6 +161,27 @@ bool isShift(const ReadAs& one) {
                  [](const Convention& part) { return part.kind == ConventionKind::kTorqueShift; });
 }
 
+// Dry friction that holds a joint answers its drive up to its level, as no model tells and as a wrong column
+// might: rows at which a joint sticks say nothing of conventions.
+std::vector<ReadAs> besideRest(Dataset data, const model::ModelDescription& model, std::vector<ReadAs> wrong,
+                               Reading& given) {
+  const std::vector<RestingJoint> sticking = stickingJoints(data, model, {}, {});
+  if (sticking.empty()) {
+    return wrong;
+  }
+  data.leaveOutRest(sticking);
+  Reader reader(std::move(data), model);
+  given = reader.asGiven();
+  return wrongConventions(reader, given, columnNames(model));
+}
+
+// Whether every size of a shift, from none to the farthest, explains as much.
+bool isAnyShift(const ReadAs& one, const Reading& given, double step_s) {
+  const auto& [first_s, last_s] = one.convention.range;
+  return isShift(one) && asGood({.convention = {}, .reading = given}, one) && first_s < step_s &&
+         last_s > -step_s && std::max(-first_s, last_s) > kFarthestShift_s - step_s;
+}
+
 // A column that is shifted leaves no sinusoid that is not in the motion. Where such a one is left, and says
 // as much as a shift does, it is a person's tremor.
 void dropWhatATremorSays(const Reader& reader, const Reading& given, std::vector<ReadAs>& all) {
@@ -228,9 +250,10 @@ std::vector<ReadAs> readings(Reader& reader, const Reading& given, const ColumnN
               [&](double offset_rad, const Range&) { return zeroConvention(names, joint, offset_rad); });
     }
   }
-  std::erase_if(all, [](const ReadAs& one) {
+  std::erase_if(all, [&](const ReadAs& one) {
     const double number = one.convention.number;
-    return (one.convention.kind == ConventionKind::kZero && std::abs(number) < kLeastZero_rad) ||
+    return isAnyShift(one, given, kShifts.step) ||
+           (one.convention.kind == ConventionKind::kZero && std::abs(number) < kLeastZero_rad) ||
            (one.convention.kind == ConventionKind::kTorqueShift && number > -kSlowDrive_s &&
             number < kLeastShift_s);
   });
@@ -263,8 +286,11 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
 void requireConventions(const Recording& recording, const model::ModelDescription& model) {
   const Dataset data(std::span(&recording, 1), kCoarse);
   Reader reader(data, model);
-  const Reading given = reader.asGiven();
+  Reading given = reader.asGiven();
   std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
+  if (!wrong.empty()) {
+    wrong = besideRest(data, model, std::move(wrong), given);
+  }
   addMounting(data, model, given, wrong);
   if (wrong.empty()) {
     return;

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <variant>
 #include <vector>
 
+#include "tools/diagnose/fit/point_body.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -13,8 +15,8 @@ namespace patella::diagnose {
 namespace {
 
 // Dahl's friction of level one, in the order of time (Dahl 1968, Aerospace TOR-0158; exponent 1).
-Column preslidingColumn(const Dataset& data, int joint) {
-  const double way = std::max(1e-12, convention::kPreslidingShare * rangeOf(data, joint));
+Column preslidingColumn(const Dataset& data, int joint, double share_of_range) {
+  const double way = std::max(1e-12, share_of_range * rangeOf(data, joint));
   std::map<const Series*, std::vector<double>> friction;
   for (const Series& series : data.series()) {
     std::vector<double>& level = friction[&series];
@@ -34,17 +36,6 @@ Column preslidingColumn(const Dataset& data, int joint) {
 
 }  // namespace
 
-double rangeOf(const Dataset& data, int joint) {
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for (const Series& series : data.series()) {
-    for (const model::EffectInput& state : series.states) {
-      lowest = std::min(lowest, state.q[joint]);
-      highest = std::max(highest, state.q[joint]);
-    }
-  }
-  return highest - lowest;
-}
-
 Eigen::MatrixXd plainColumns(const Dataset& data) {
   const std::vector<ElementaryColumn> elementary = elementaryColumns(data);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * kPlainKinds);
@@ -59,8 +50,25 @@ Eigen::MatrixXd plainColumns(const Dataset& data) {
       return torque;
     });
     if (!data.isStatic()) {
-      columns.col(joint * kPlainKinds + kPresliding) = preslidingColumn(data, joint);
+      columns.col(joint * kPlainKinds + kPresliding) =
+          preslidingColumn(data, joint, convention::kPreslidingShare);
+      columns.col(joint * kPlainKinds + kSlowPresliding) =
+          preslidingColumn(data, joint, convention::kSlowPreslidingShare);
     }
+  }
+  return columns;
+}
+
+Eigen::MatrixXd bodyColumns(const Dataset& data, const model::ModelDescription& model) {
+  if (!std::holds_alternative<model::SerialChainParameters>(model.mechanism)) {
+    return Eigen::MatrixXd(data.rows() * data.joints(), 0);
+  }
+  constexpr double kAside_m = 0.3;
+  const PointTorque torque(data, model);
+  Eigen::MatrixXd columns(data.rows() * data.joints(), 4);
+  columns.col(0) = torque.at(Eigen::Vector3d::Zero());
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    columns.col(1 + axis) = torque.at(kAside_m * Eigen::Vector3d::Unit(axis));
   }
   return columns;
 }

@@ -136,7 +136,9 @@ Reader::Columns Reader::columnsOf(const Dataset& data) const {
   columns.model.leftCols(base.size()) =
       data.regressor(bare_.mechanism(), JointVector::Zero(data.joints())) * base.asDiagonal();
   columns.model.rightCols(declared.cols()) = declared;
-  columns.effects = plainColumns(data);
+  const Eigen::MatrixXd plain = plainColumns(data), bodies = bodyColumns(data, model_);
+  columns.effects.resize(plain.rows(), plain.cols() + bodies.cols());
+  columns.effects << plain, bodies;
   return columns;
 }
 
@@ -167,7 +169,8 @@ std::vector<double> Reader::loadsOf(const std::vector<Sums>& sums) {
 }
 
 Reader::Fitted Reader::fit(const std::vector<Sums>& sums, Freedom freedom) const {
-  const Eigen::Index all = sums.front().right.size(), plain = data_.joints() * kPlainKinds, own = all - plain;
+  const Eigen::Index all = sums.front().right.size(), own = own_.model.cols(),
+                     plain = data_.joints() * kPlainKinds;
   constexpr double kAny = std::numeric_limits<double>::infinity();
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(all), upper = lower;
   lower.head(own).setConstant(freedom == kRubbing ? 1.0 - kOwnRange : 1.0 / kOtherLeg);
@@ -177,10 +180,15 @@ Reader::Fitted Reader::fit(const std::vector<Sums>& sums, Freedom freedom) const
     if (kind == kRotor) {
       const double own_inertia = largest_inertia_[static_cast<std::size_t>(k / kPlainKinds)];
       upper[own + k] = freedom == kAllEffects ? kMostMotor * own_inertia : 0.0;
-    } else if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb || kind == kPresliding) {
+    } else if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb || kind == kPresliding ||
+               kind == kSlowPresliding) {
       lower[own + k] = kind == kBias ? -kAny : 0.0;
       upper[own + k] = kAny;
     }
+  }
+  if (freedom == kAllEffects) {
+    lower.tail(all - own - plain).setConstant(-kAny);
+    upper.tail(all - own - plain).setConstant(kAny);
   }
   std::vector<double> error, weight;
   for (const Sums& of_joint : sums) {

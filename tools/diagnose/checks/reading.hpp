@@ -24,7 +24,8 @@ struct Reading {
   std::vector<double> error;
   /// The same rest over the torque alone; 1 where it explains nothing.
   std::vector<double> error_of_torque;
-  /// With parameters within a factor of convention::kOtherLeg, and every plain effect.
+  /// With parameters within a factor of convention::kOtherLeg, every plain effect, and a body on the last
+  /// link of a chain.
   std::vector<double> error_with_effects;
 };
 
@@ -59,7 +60,7 @@ class Reader {
   /// Torque that a motion needs from the drives, whatever they gave.
   struct Columns {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
-    Eigen::MatrixXd effects;  ///< plain ones, as many for each joint
+    Eigen::MatrixXd effects;  ///< plain ones, as many for each joint, and those of bodyColumns()
   };
   /// Of one joint's rows, in the mean: all that least squares need.
   struct Sums {

@@ -26,6 +26,10 @@ std::vector<std::string> consideredKinds(const std::vector<std::string>& asked) 
   return asked;
 }
 
+std::vector<std::string> commonKinds() {
+  return {"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias", "payload"};
+}
+
 std::vector<int> recordedChannels(std::span<const Recording> recordings) {
   std::vector<int> channels;
   for (int channel = 0; channel < kMaxEmgChannels; ++channel) {

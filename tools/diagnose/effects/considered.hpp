@@ -13,6 +13,9 @@ namespace patella::diagnose {
 /// where one does not exist.
 std::vector<std::string> consideredKinds(const std::vector<std::string>& asked);
 
+/// Kinds that are commonly missing: they are told of first, and planned for where nothing else is asked.
+std::vector<std::string> commonKinds();
+
 /// EMG channels, from 1, that every recording has.
 std::vector<int> recordedChannels(std::span<const Recording> recordings);
 

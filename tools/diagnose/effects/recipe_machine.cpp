@@ -226,6 +226,7 @@ std::vector<EffectHome> machineEffects() {
        .what = "A drive that gives more or less than it was told.",
        .shows = Shows::kTorque,
        .strengths = {{"gain_error"}},
+       .distinguished_by = "gain_error",
        .add = [](const Motion& motion, std::span<const int>,
                  std::vector<Recipe>& all) { all.push_back(torqueGain(motion)); }},
       {.kind = "torque_bias",
@@ -260,6 +261,7 @@ std::vector<EffectHome> machineEffects() {
        .what = "Bias or friction that changes as the machine warms up.",
        .shows = Shows::kTime,
        .strengths = {{"offset_Nm"}, {"friction_Nm"}, {"viscous_Nms_rad"}},
+       .distinguished_by = "time_constant_s",
        .told_by_torque = true,
        .add =
            [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {

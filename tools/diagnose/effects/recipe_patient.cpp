@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/diagnose/effects/recipe_parts.hpp"
+#include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -35,23 +36,21 @@ Recipe linearStiffness(const Motion& motion) {
   return recipe;
 }
 
-constexpr double kSlowestTremor_Hz = 3.0;
-
 // Above the band's edge little is left of a line, but what is left is as much a line.
 double fastestTremor_Hz(const Motion& motion) {
   constexpr double kBeyondEdge = 1.25;
-  return std::min(12.0, kBeyondEdge * motion.band_Hz);
+  return std::min(tremor::kHighest_Hz, kBeyondEdge * motion.band_Hz);
 }
 
 /// The phase of no tremor holds for so long; of a longer recording a line is found by its power alone
 /// (tremor_line.hpp).
 constexpr double kLongestInPhase_s = 60.0;
 
-Recipe tremor(const Motion& motion) {
+Recipe tremorRecipe(const Motion& motion) {
   // Finer than the width of a line of this length, which would fall between two points.
   const double step_Hz = 0.6 / std::min(motion.duration_s, kLongestInPhase_s);
   return oscillation("tremor", motion, "frequency_Hz",
-                     range(kSlowestTremor_Hz, fastestTremor_Hz(motion), step_Hz));
+                     range(tremor::kLowest_Hz, fastestTremor_Hz(motion), step_Hz));
 }
 
 Recipe spasticity(const Motion& motion, double direction) {
@@ -166,8 +165,8 @@ std::vector<EffectHome> patientEffects() {
        .strengths = {{"amplitude_Nm"}},
        .add =
            [](const Motion& motion, std::span<const int>, std::vector<Recipe>& all) {
-             if (motion.duration_s > 0.0 && fastestTremor_Hz(motion) > kSlowestTremor_Hz) {
-               all.push_back(tremor(motion));
+             if (motion.duration_s > 0.0 && fastestTremor_Hz(motion) > tremor::kLowest_Hz) {
+               all.push_back(tremorRecipe(motion));
              }
            }},
       {.kind = "spasticity",

@@ -11,7 +11,7 @@ namespace {
 constexpr int kHarmonics = 2;
 constexpr double kFarthestSlide_m = 0.3;
 
-// Of which the regressor consists.
+// Values of the functions whose sum the regressor is.
 Eigen::VectorXd functionsOf(double offset, bool slides) {
   Eigen::VectorXd values(slides ? kHarmonics + 1 : 2 * kHarmonics + 1);
   values[0] = 1.0;

@@ -27,7 +27,7 @@ bool pulledBelow(const ModelFit& fit, Eigen::Index index) {
   tangent.col(index).setZero();
   const Eigen::VectorXd rest = own - tangent * tangent.completeOrthogonalDecomposition().solve(own);
   const double pull = rest.dot(target);
-  const double chance = fit.prior_scale * fit.prior_scale;
+  const double chance = fit.redundancy();
   return pull < 0.0 && pull * pull > accepted::kContradicted * chance * rest.squaredNorm();
 }
 

@@ -14,7 +14,7 @@
 
 namespace patella::diagnose {
 
-/// Of numerical derivatives by a free number.
+/// Step of numerical derivatives by a free number.
 inline constexpr double kRelativeStep = 1e-4;
 
 /// A parameter as people know it.

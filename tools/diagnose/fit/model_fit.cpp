@@ -16,6 +16,9 @@
 namespace patella::diagnose {
 namespace {
 
+/// Estimates of the noise's scale and of the parameters in turn.
+constexpr int kNoiseRounds = 2;
+
 /// Numbers in kept columns before the store is emptied: those of a search and of one fit have room in it.
 constexpr Eigen::Index kCachedNumbers = 25'000'000;
 constexpr int kIterations = 25;
@@ -136,8 +139,11 @@ ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nom
   regressor_ = data.regressor(bare_.mechanism(), JointVector::Zero(data.joints()));
   torque_ = data.driveTorque();
   const model::BaseParameters base = bare_.mechanism().baseParameters();
-  mechanism_ =
-      mechanismParameters(nominal.mechanism, torque_.isZero(0.0) || swingsFreely(data, regressor_, base));
+  const bool keeps_scale = torque_.isZero(0.0) || swingsFreely(data, regressor_, base);
+  mechanism_ = mechanismParameters(nominal.mechanism, keeps_scale);
+  if (!keeps_scale) {
+    passive_ = PassiveScale(data, regressor_, base, drivenJoints(data, bare_.mechanism()));
+  }
   for (const double load_Nm : loads_Nm(data, torque_, regressor_, base)) {
     least_torque_Nm_.push_back(accepted::kLeastOfLoad * load_Nm);
   }
@@ -167,6 +173,7 @@ Eigen::MatrixXd ModelFitter::scaled(const ModelFit& fit, Eigen::MatrixXd columns
       columns.middleRows(term.recipe->joint * data_->rows(), data_->rows()) *= 1.0 - term.c[0];
     }
   }
+  passive_.apply(mechanism_->baseParameters(fit.mechanism), columns);
   return columns;
 }
 
@@ -286,6 +293,7 @@ void ModelFitter::linearise(ModelFit& fit) {
     }
   }
   fit.tangent = scaled(fit, std::move(fit.tangent));
+  passive_.addSlopes(base, mechanism_->baseSlopes(fit.mechanism), to_give, fit.tangent.leftCols(mechanisms));
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     if (fit.terms[t].recipe->scales_all) {
       const Eigen::Index first = fit.terms[t].recipe->joint * data_->rows();
@@ -356,7 +364,7 @@ ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
       .setConstant(1.0 / options_.nominal_tolerance);
   for (std::size_t t = 0; t < fit.terms.size(); ++t) {
     fit.prior_weight.segment(fit.offset[t], static_cast<Eigen::Index>(fit.terms[t].prior_c.size()))
-        .setConstant(1.0 / options_.declared_tolerance);
+        .setConstant(1.0 / runaway::kTolerance);
     for (std::size_t k = 0; k < fit.terms[t].nu.size(); ++k) {
       const double spread = fit.terms[t].recipe->nonlinear[k].spread;
       fit.prior_weight[shapeIndex(fit, t, k)] = spread > 0.0 ? 1.0 / spread : 0.0;
@@ -365,7 +373,7 @@ ModelFit ModelFitter::fit(ModelFit start, const Weighting& weighting) {
   fit.prior_scale = prior_scale_;
   fit.prior_weight *= prior_scale_;
   auto current = std::make_shared<const Weighting>(weighting);
-  for (int round = 0; round < options_.rounds; ++round) {
+  for (int round = 0; round < kNoiseRounds; ++round) {
     solve(fit, *current);
     linearise(fit);
     current = std::make_shared<const Weighting>(weighting.rescaled(fit.residual));

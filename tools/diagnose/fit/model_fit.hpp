@@ -18,6 +18,7 @@
 #include "tools/diagnose/fit/angle_shift.hpp"
 #include "tools/diagnose/fit/edges.hpp"
 #include "tools/diagnose/fit/mechanism_parameters.hpp"
+#include "tools/diagnose/fit/passive_scale.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/noise_model.hpp"
 #include "tools/diagnose/thresholds.hpp"
@@ -50,6 +51,8 @@ struct ModelFit {
   std::vector<Eigen::Index> offset;
   std::vector<Edge> at_edge;
 
+  /// Times that a squared error counts too much.
+  double redundancy() const noexcept { return prior_scale * prior_scale; }
   /// It has effects that the given model lacks.
   bool namesAny() const noexcept {
     return std::any_of(terms.begin(), terms.end(), [](const Term& term) { return !term.declared; });
@@ -58,8 +61,6 @@ struct ModelFit {
 
 struct FitOptions {
   double nominal_tolerance = runaway::kTolerance;
-  double declared_tolerance = runaway::kTolerance;
-  int rounds = 2;  ///< estimates of the noise's scale and of the parameters in turn
 };
 
 class ModelFitter {
@@ -86,7 +87,7 @@ class ModelFitter {
 
   /// Basis of a recipe as Columns.
   Eigen::MatrixXd basis(const Recipe& recipe, std::span<const double> nu);
-  /// Name of this fit in the files.
+  /// The given model with the fit's parameters and effects, as model files hold it.
   model::ModelDescription describe(const ModelFit& fit) const;
   static std::vector<double> effectParameters(const Term& term);
   /// Torque that a term takes from the drives, as a Column.
@@ -106,7 +107,8 @@ class ModelFitter {
   Eigen::MatrixXd regressorOf(const ModelFit& fit);
   /// Torque that drives which obey would have to give, as a Column.
   Eigen::VectorXd toGive(const ModelFit& fit);
-  /// Columns of such torques as the drives are told (Recipe::scales_all).
+  /// Columns of such torques as the drives are told (Recipe::scales_all), and as PassiveScale counts them
+  /// where there is no drive.
   Eigen::MatrixXd scaled(const ModelFit& fit, Eigen::MatrixXd columns) const;
   Eigen::VectorXd unexplained(const ModelFit& fit);
   /// Of a recipe's effect with these parameters, worked out once.
@@ -120,6 +122,7 @@ class ModelFitter {
   model::DynamicsModel bare_;  ///< the nominal mechanism without effects
   FitOptions options_;
   std::unique_ptr<MechanismParameters> mechanism_;
+  PassiveScale passive_;
   std::vector<double> least_torque_Nm_;
   Eigen::MatrixXd regressor_;
   Eigen::VectorXd torque_;

@@ -7,7 +7,6 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include "tools/diagnose/fit/model_fit.hpp"
 #include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/lateness.hpp"
@@ -16,12 +15,23 @@
 namespace patella::diagnose {
 namespace {
 
-std::vector<Recording> sampled(std::span<const Recording> recordings) {
+std::vector<Recording> timed(std::span<const Recording> recordings, TorqueTiming timing) {
   std::vector<Recording> changed(recordings.begin(), recordings.end());
   for (Recording& recording : changed) {
-    recording.torque_timing = TorqueTiming::kSampled;
+    recording.torque_timing = timing;
   }
   return changed;
+}
+
+const char* wordsOf(TorqueTiming timing) {
+  switch (timing) {
+    case TorqueTiming::kHeld:
+      return "held";
+    case TorqueTiming::kSampled:
+      return "what acted at the sample";
+    default:
+      return "what acted since the sample before";
+  }
 }
 
 struct Estimates {
@@ -68,8 +78,8 @@ Column heldLessSampled(const Dataset& data, std::span<const Recording> recording
 // forms. How fast the torque changes is told by these and by the model: the noise of what was measured
 // changes faster, and goes with no motion.
 Estimates halfPeriods(const Dataset& as_held, std::span<const Recording> recordings,
-                      const model::ModelDescription& model) {
-  ModelFitter fitter(as_held, model, {});
+                      const model::ModelDescription& model, const FitOptions& options) {
+  ModelFitter fitter(as_held, model, options);
   const ModelFit fit = fitter.nominal();
   const std::vector<ElementaryColumn> plain = elementaryColumns(as_held);
   const Eigen::Index known = fit.tangent.cols(), joints = as_held.joints(), rows = as_held.rows();
@@ -95,60 +105,78 @@ Estimates halfPeriods(const Dataset& as_held, std::span<const Recording> recordi
 }
 
 struct Answer {
-  bool sampled = false;
+  TorqueTiming timing = TorqueTiming::kHeld;
   bool contradictory = false;
 };
 
-// A joint that is earlier or later than either lacks something else, of which this is no test.
+struct Vote {
+  double value = 0.0;      ///< half periods
+  double deviation = 0.0;  ///< standard, of it
+  double nearest() const { return std::clamp(std::round(value), 0.0, 2.0); }
+  bool excludes(double halves) const { return std::abs(value - halves) > torque_timing::kSure * deviation; }
+};
+
+// A joint that is earlier or later than any timing lacks something else, of which this is no test.
 Answer answerOf(const Estimates& halves) {
-  int telling = 0, voting = 0;
-  bool held = false, sampled = false;
-  double weighted = 0.0, weight = 0.0;
+  int telling = 0;
+  std::vector<Vote> votes;
   for (Eigen::Index joint = 0; joint < halves.value.size(); ++joint) {
-    const double value = halves.value[joint], deviation = halves.deviation[joint];
-    if (deviation >= torque_timing::kTells) {
+    const Vote vote{.value = halves.value[joint], .deviation = halves.deviation[joint]};
+    if (vote.deviation >= torque_timing::kTells) {
       continue;
     }
     ++telling;
-    if (value < torque_timing::kLeast - 1.0 || value > torque_timing::kMost) {
-      continue;
+    if (std::abs(vote.value - vote.nearest()) <= torque_timing::kNear) {
+      votes.push_back(vote);
     }
-    ++voting;
-    held = held || (value < torque_timing::kLeast && value < 1.0 - torque_timing::kSure * deviation);
-    sampled = sampled || (value >= torque_timing::kLeast && value > torque_timing::kSure * deviation);
-    weighted += value / (deviation * deviation);
-    weight += 1.0 / (deviation * deviation);
   }
-  const bool sure =
-      voting > 0 && 2 * voting >= telling && weighted > torque_timing::kSure * std::sqrt(weight);
-  return {.sampled = sure && weighted >= torque_timing::kLeast * weight, .contradictory = held && sampled};
+  double weighted = 0.0, weight = 0.0;
+  Answer answer;
+  for (const Vote& vote : votes) {
+    weighted += vote.value / (vote.deviation * vote.deviation);
+    weight += 1.0 / (vote.deviation * vote.deviation);
+    answer.contradictory =
+        answer.contradictory || std::any_of(votes.begin(), votes.end(), [&](const Vote& other) {
+          return vote.excludes(other.nearest()) && other.excludes(vote.nearest());
+        });
+  }
+  const bool sure = !votes.empty() && 2 * static_cast<int>(votes.size()) >= telling &&
+                    weighted > torque_timing::kSure * std::sqrt(weight);
+  // Joints that do not agree lack something else, too, and the answer in the middle is wrong by least.
+  if (sure && weighted >= (1.0 + torque_timing::kNear) * weight && !answer.contradictory) {
+    answer.timing = TorqueTiming::kBefore;
+  } else if (sure && weighted >= torque_timing::kNear * weight) {
+    answer.timing = TorqueTiming::kSampled;
+  }
+  return answer;
 }
 
 }  // namespace
 
 std::vector<Recording> withTorqueTiming(std::span<const Recording> recordings,
-                                        const model::ModelDescription& model) {
+                                        const model::ModelDescription& model, const FitOptions& options) {
   std::vector<Recording> unchanged(recordings.begin(), recordings.end());
   if (recordings.empty() || recordings.front().is_static ||
       !std::all_of(recordings.begin(), recordings.end(),
                    [](const Recording& recording) { return recording.torque_timing_assumed; })) {
     return unchanged;
   }
-  std::vector<Recording> other = sampled(recordings);
-  const Estimates halves = halfPeriods(Dataset(recordings, {}), recordings, model);
+  const Estimates halves = halfPeriods(Dataset(recordings, {}), recordings, model, options);
   const Answer answer = answerOf(halves);
-  std::vector<Recording>& chosen = answer.sampled ? other : unchanged;
+  std::vector<Recording> chosen =
+      answer.timing == TorqueTiming::kHeld ? std::move(unchanged) : timed(recordings, answer.timing);
   if (answer.contradictory) {
     chosen.front().warnings.push_back(
         fmt::format("some joints follow their torque as if it had been held between samples, others as if it "
-                    "had acted at the sample: taken as {}, which they say in the mean; --torque decides",
-                    answer.sampled ? "what acted at the sample" : "held"));
-  } else if (answer.sampled) {
-    chosen.front().warnings.emplace_back(
-        "the motion follows the torque too early for one that was held between samples: taken as what acted "
-        "at the sample; --torque decides");
+                    "had acted earlier: taken as {}, which they say in the mean; --torque decides",
+                    wordsOf(answer.timing)));
+  } else if (answer.timing != TorqueTiming::kHeld) {
+    chosen.front().warnings.push_back(
+        fmt::format("the motion follows the torque too early for one that was held between samples: taken as "
+                    "{}; --torque decides",
+                    wordsOf(answer.timing)));
   }
-  return std::move(chosen);
+  return chosen;
 }
 
 }  // namespace patella::diagnose

@@ -28,7 +28,7 @@ std::string effectLine(const EffectFinding& effect, const Units& units) {
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     line += (i == 0 ? ": " : ", ") + estimateText(effect.parameters[i], units);
   }
-  line += torqueErrorText(effect) + fmt::format(" (p = {:.2g})", effect.p_value);
+  line += torqueErrorText(effect) + (effect.p_value ? fmt::format(" (p = {:.2g})", *effect.p_value) : "");
   for (std::size_t i = 0; i < effect.indistinguishable_from.size(); ++i) {
     line += (i == 0 ? "; or " : ", ") + effectWords(effect.indistinguishable_from[i]);
   }

@@ -21,6 +21,10 @@ Json list(const Items& items, Describe&& describe) {
   return out;
 }
 
+Json numberOrNull(const std::optional<double>& number) {
+  return number ? Json(*number) : Json();
+}
+
 Json describeEffect(const EffectFinding& effect) {
   Json parameters = Json::object();
   Json intervals = Json::object();
@@ -32,8 +36,8 @@ Json describeEffect(const EffectFinding& effect) {
           {"joint", effect.joint + 1},
           {"parameters", parameters},
           {"ci95", intervals},
-          {"torque_error", effect.torque_error ? Json(*effect.torque_error) : Json()},
-          {"p_value", effect.p_value},
+          {"torque_error", numberOrNull(effect.torque_error)},
+          {"p_value", numberOrNull(effect.p_value)},
           {"gain_nats", effect.gain},
           {"indistinguishable_from", effect.indistinguishable_from},
           {"replaces", effect.replaces},
@@ -72,7 +76,7 @@ Json describeUnexplained(const Dependence& dependence) {
   return {{"joint", dependence.joint + 1},
           {"variable", dependence.variable},
           {"explained_rms", dependence.explained_Nm},
-          {"p_value", dependence.p_value}};
+          {"p_value", numberOrNull(dependence.p_value)}};
 }
 
 Json describeNominal(const RefittedParameter& parameter) {
@@ -102,6 +106,14 @@ Json describeTiming(const DriveTiming& timing) {
           {"relative_error_after", timing.relative_error_after}};
 }
 
+Json unitsOfJoints(const Diagnosis& diagnosis, std::string Units::*of) {
+  Json units = Json::array();
+  for (int joint = 0; joint < diagnosis.extended.joints(); ++joint) {
+    units.push_back(unitsOf(diagnosis, joint).*of);
+  }
+  return units;
+}
+
 Json versions() {
   return {{"patella", PATELLA_VERSION},
           {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
@@ -122,14 +134,14 @@ nlohmann::ordered_json diagnosisJson(const Diagnosis& diagnosis) {
                   {"refitted", describeError(diagnosis.refitted)},
                   {"after", describeError(diagnosis.after)},
                   {"noise_floor", diagnosis.noise_floor_Nm},
-                  {"unit", unitsOf(diagnosis).torque}};
+                  {"units", unitsOfJoints(diagnosis, &Units::torque)}};
   out["rest"] = list(diagnosis.rests, [](const RestOfJoint& rest) -> Json {
     return {{"torque", rest.torque_Nm}, {"beyond_noise", rest.structure_Nm}, {"noise", rest.noise_Nm}};
   });
   out["simulation_error"] = {{"window_s", diagnosis.simulation_window_s},
                              {"before", diagnosis.before.simulation_rms_rad},
                              {"after", diagnosis.after.simulation_rms_rad},
-                             {"unit", unitsOf(diagnosis).position}};
+                             {"units", unitsOfJoints(diagnosis, &Units::position)}};
   out["excitation"] = describeExcitation(diagnosis.excitation);
   out["plan_command"] = diagnosis.plan_command.empty() ? Json() : Json(diagnosis.plan_command);
   out["revealed"] = list(diagnosis.revealed, describeRevealed);

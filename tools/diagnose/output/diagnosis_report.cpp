@@ -82,7 +82,8 @@ std::string verdictText(const Diagnosis& diagnosis) {
               mark(diagnosis, fmt::format("{}@{} {}", effect.kind, effect.joint + 1, estimate.name));
     }
     text += escaped(torqueErrorText(effect)) +
-            fmt::format(" <span class=\"note\">p = {:.2g}, {:.4g} nats</span>", effect.p_value, effect.gain);
+            fmt::format(" <span class=\"note\">{}{:.4g} nats</span>",
+                        effect.p_value ? fmt::format("p = {:.2g}, ", *effect.p_value) : "", effect.gain);
     if (!effect.indistinguishable_from.empty()) {
       text += "<br>cannot be told from: " + escaped(joinedWords(effect.indistinguishable_from));
     }
@@ -187,7 +188,8 @@ std::string unexplainedTable(const Diagnosis& diagnosis) {
               .rows = {}};
   for (const Dependence& dependence : diagnosis.unexplained) {
     table.rows.push_back({fmt::format("joint {}", dependence.joint + 1), dependence.variable,
-                          shortNumber(dependence.explained_Nm), fmt::format("{:.2g}", dependence.p_value)});
+                          shortNumber(dependence.explained_Nm),
+                          dependence.p_value ? fmt::format("{:.2g}", *dependence.p_value) : "–"});
   }
   return tableText(table);
 }

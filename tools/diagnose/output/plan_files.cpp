@@ -25,10 +25,6 @@ const control::MultisineMotion& wavesOf(const MotionPlan& plan, int joint) {
   return std::get<control::MultisineMotion>(plan.motion.reference.motion[static_cast<std::size_t>(joint)]);
 }
 
-Units unitsOf(const PlanRequest& request) {
-  return model::isLinear(request.model.mechanism) ? Units{.position = "m", .torque = "N"} : Units{};
-}
-
 std::string decimals(double value) {
   std::string text = fmt::format("{:.{}f}", value, kDecimals);
   text.erase(text.find_last_not_of('0') + 1);
@@ -62,10 +58,11 @@ Json describedAll(const std::vector<Revealed>& all) {
   return out;
 }
 
-void printSizes(const std::vector<Revealed>& all, const Units& units, std::ostream& out) {
+void printSizes(const std::vector<Revealed>& all, const model::MechanismDescription& mechanism,
+                std::ostream& out) {
   for (const Revealed& revealed : all) {
     out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", effectWords(revealed.kind), revealed.joint + 1,
-                       sizeWords(revealed, units),
+                       sizeWords(revealed, unitsOf(mechanism, revealed.joint)),
                        std::isfinite(revealed.share_of_torque)
                            ? shortNumber(kPercent * revealed.share_of_torque) + " %"
                            : "–");
@@ -153,20 +150,22 @@ std::string planJson(const MotionPlan& plan, const PlanRequest& request, const P
     out["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
   out["versions"] = {{"patella", PATELLA_VERSION}};
-  return out.dump(2) + "\n";
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 PlanWords planWords(const MotionPlan& plan, const PlanRequest& request) {
   std::vector<std::string> noise;
-  for (const NoiseOfJoint& joint : request.noise) {
-    noise.push_back(fmt::format("{:.2g}", std::hypot(joint.noise_Nm, joint.structure_Nm)));
+  for (std::size_t j = 0; j < request.noise.size(); ++j) {
+    noise.push_back(fmt::format("{:.2g} {}",
+                                std::hypot(request.noise[j].noise_Nm, request.noise[j].structure_Nm),
+                                unitsOf(request.model.mechanism, static_cast<int>(j)).torque));
   }
   const LimitUse& use = plan.motion.use;
   return {.motion = fmt::format("A motion of {} s for {}.", app::formatNumber(request.timing.duration_s),
                                 askedFor(plan, request)),
           .use = fmt::format("{:.0f} % of the range, {:.0f} % of the speed and {:.0f} % of the torque",
                              kPercent * use.position, kPercent * use.speed, kPercent * use.torque),
-          .noise = fmt::format("{} {}", fmt::join(noise, " and "), unitsOf(request).torque)};
+          .noise = fmt::format("{}", fmt::join(noise, " and "))};
 }
 
 void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::filesystem::path& folder,
@@ -176,10 +175,10 @@ void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::fi
       << " that a plan may take\n  four in five recordings of it would reveal, against noise of "
       << words.noise << ":\n";
   out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", "effect", "joint", "from", "of torque");
-  printSizes(plan.revealed, unitsOf(request), out);
+  printSizes(plan.revealed, request.model.mechanism, out);
   if (!plan.others.empty()) {
     out << (plan.revealed.empty() ? "" : "  and, without having been asked for:\n");
-    printSizes(plan.others, unitsOf(request), out);
+    printSizes(plan.others, request.model.mechanism, out);
   }
   out << "  files in " << folder.string() << ": reference.toml, plan.json, plan.html\n";
 }

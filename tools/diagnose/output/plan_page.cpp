@@ -20,13 +20,13 @@ constexpr Eigen::Index kMostPoints = 1500;
 
 struct Quantity {
   const char* title;
-  const char* unit;
+  std::string unit;
   const Eigen::MatrixXd& values;
   double low, high;
 };
 
 // A curve of its own, so that the axis has room for it however far away it is.
-report::Series limitAt(double limit, const char* unit, double end_s) {
+report::Series limitAt(double limit, const std::string& unit, double end_s) {
   return {.label = fmt::format("limit {} {}", shortNumber(limit), unit),
           .colour = report::colour::kAlarm,
           .x = {0.0, end_s},
@@ -86,23 +86,23 @@ std::string summary(const MotionPlan& plan, const PlanRequest& request, const Pl
 }  // namespace
 
 std::string planPage(const MotionPlan& plan, const PlanRequest& request, const PlanOrigin& origin) {
-  const bool linear = model::isLinear(request.model.mechanism);
   const SampledMotion& motion = plan.motion.sampled;
   const Eigen::MatrixXd torque_Nm = torqueOf(plan, request);
   std::vector<Figure> figures;
   for (int j = 0; j < request.model.joints(); ++j) {
     const safety::JointLimits& limit = request.limits.joint[static_cast<std::size_t>(j)];
+    const Units units = unitsOf(request.model.mechanism, j);
     const std::vector<Quantity> quantities{
-        {"position", linear ? "m" : "rad", motion.q, limit.q_min_rad, limit.q_max_rad},
-        {"speed", linear ? "m/s" : "rad/s", motion.dq, -limit.velocity_rad_s, limit.velocity_rad_s},
-        {"torque that the model needs", linear ? "N" : "N·m", torque_Nm, -limit.torque_Nm, limit.torque_Nm}};
+        {"position", units.position, motion.q, limit.q_min_rad, limit.q_max_rad},
+        {"speed", units.position + "/s", motion.dq, -limit.velocity_rad_s, limit.velocity_rad_s},
+        {"torque that the model needs", units.torque, torque_Nm, -limit.torque_Nm, limit.torque_Nm}};
     for (const Quantity& quantity : quantities) {
       figures.push_back(figureOf(quantity, j, motion.step_s));
     }
   }
   // The picture that a diagnosis has of what its recording would have revealed.
   Diagnosis powers;
-  powers.torque_unit = linear ? "N" : "N·m";
+  powers.extended = request.model;
   powers.rests.resize(static_cast<std::size_t>(request.model.joints()));
   powers.revealed = plan.revealed;
   powers.revealed.insert(powers.revealed.end(), plan.others.begin(), plan.others.end());

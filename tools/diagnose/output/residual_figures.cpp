@@ -39,8 +39,8 @@ std::string jointWords(int joint) {
   return "joint " + std::to_string(joint + 1);
 }
 
-std::string residualLabel(const Diagnosis& diagnosis) {
-  return "(drive − model) / " + unitsOf(diagnosis).torque;
+std::string residualLabel(const Diagnosis& diagnosis, int joint) {
+  return "(drive − model) / " + unitsOf(diagnosis, joint).torque;
 }
 
 Series points(const std::vector<double>& x, const std::vector<double>& y, const char* colour) {
@@ -100,7 +100,7 @@ std::optional<Figure> againstFigure(const Diagnosis& diagnosis, int joint, const
   Figure figure;
   figure.title = "Residual of " + jointWords(joint);
   figure.x_label = x.label;
-  figure.y_label = residualLabel(diagnosis);
+  figure.y_label = residualLabel(diagnosis, joint);
   if (first != nullptr) {
     figure.series.push_back(points(x.values, *first, kBeforePale));
   }
@@ -144,8 +144,9 @@ std::optional<Figure> restFigure(const Diagnosis& diagnosis, const Dependence& d
   auto figure = againstFigure(diagnosis, dependence.joint, *variable, layout, nullptr, {"", "what is left"});
   if (figure) {
     figure->section = "What is left depends on; mean in bins with its 95 % interval";
-    figure->title += fmt::format(", {}: explains {} {} rms", dependence.variable,
-                                 shortNumber(dependence.explained_Nm), unitsOf(diagnosis).torque);
+    figure->title +=
+        fmt::format(", {}: explains {} {} rms", dependence.variable, shortNumber(dependence.explained_Nm),
+                    unitsOf(diagnosis, dependence.joint).torque);
   }
   return figure;
 }
@@ -189,7 +190,7 @@ std::optional<Figure> spectrumFigure(const Diagnosis& diagnosis, int joint, cons
   figure.section = "Spectrum and autocorrelation";
   figure.title = "Amplitude density of the residual of " + jointWords(joint);
   figure.x_label = "frequency / Hz";
-  figure.y_label = unitsOf(diagnosis).torque + " / √Hz";
+  figure.y_label = unitsOf(diagnosis, joint).torque + " / √Hz";
   figure.log_x = true;
   figure.log_y = true;
   figure.x_range = {before.frequency_Hz.front(), before.frequency_Hz.back()};

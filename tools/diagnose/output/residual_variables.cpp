@@ -121,7 +121,6 @@ std::optional<Variable> variableNamed(std::string_view name) {
 
 NamedValues valuesOf(const Diagnosis& diagnosis, const Variable& variable, const Layout& layout) {
   using Kind = Variable::Kind;
-  const Units units = unitsOf(diagnosis);
   if (variable.kind == Kind::kTime) {
     return {"time / s", layout.time_s};
   }
@@ -136,6 +135,7 @@ NamedValues valuesOf(const Diagnosis& diagnosis, const Variable& variable, const
     return {};
   }
   const JointCurves& curves = curvesOf(diagnosis, variable.index);
+  const Units units = unitsOf(diagnosis, variable.index);
   const std::string of = fmt::format(" of joint {} / ", variable.index + 1);
   switch (variable.kind) {
     case Kind::kPosition:

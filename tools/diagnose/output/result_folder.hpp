@@ -19,7 +19,8 @@ class ResultFolder {
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Writes all files or none that is incomplete. The folder does not stay where that fails.
+  /// Writes all files or none that is incomplete. A folder that was made for them does not stay where a file
+  /// cannot be written.
   void write(const std::vector<std::pair<const char*, std::string>>& files);
 
  private:

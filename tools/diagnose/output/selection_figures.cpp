@@ -101,7 +101,7 @@ bool isRunaway(const Diagnosis& diagnosis, const std::string& what) {
 }
 
 Row rowOf(const Diagnosis& diagnosis, const EffectFinding& effect, const ParameterEstimate& estimate) {
-  const Units units = unitsOf(diagnosis);
+  const Units units = unitsOf(diagnosis, effect.joint);
   const ParameterName name = splitName(estimate.name, units);
   const std::array<double, 2> range = physicalRange(effect.kind, estimate.name);
   // An estimate of nothing is compared with its own interval.

@@ -93,7 +93,7 @@ Figure torqueFigure(const Diagnosis& diagnosis, std::size_t joint, const Layout&
   figure.section = "Torque over time: measured, and what the models need for the measured motion";
   figure.title =
       fmt::format("Torque of joint {}{}", joint + 1, figure.shades.empty() ? "" : " (shaded: held out)");
-  figure.y_label = "torque / " + unitsOf(diagnosis).torque;
+  figure.y_label = "torque / " + unitsOf(diagnosis, static_cast<int>(joint)).torque;
   figure.series.push_back(overTime(layout, curves.torque_Nm, "measured", kMeasured));
   figure.series.push_back(overTime(layout, modelled(curves.residual_before_Nm), kGiven, colour::kBefore));
   figure.series.push_back(overTime(layout, modelled(curves.residual_after_Nm), kFound, colour::kAfter));
@@ -102,7 +102,7 @@ Figure torqueFigure(const Diagnosis& diagnosis, std::size_t joint, const Layout&
 
 Figure residualFigure(const Diagnosis& diagnosis, std::size_t joint, const Layout& layout) {
   const JointCurves& curves = diagnosis.curves[joint];
-  const std::string unit = unitsOf(diagnosis).torque;
+  const std::string unit = unitsOf(diagnosis, static_cast<int>(joint)).torque;
   Figure figure = emptyFigure(curves, layout);
   figure.section = "Residual over time";
   figure.title = fmt::format(
@@ -144,7 +144,7 @@ std::vector<double> withinSight(const SimulatedMotion& motion) {
 
 Figure simulatedFigure(const Diagnosis& diagnosis, std::size_t joint) {
   const SimulatedMotion& before = diagnosis.before.simulated[joint];
-  const std::string unit = unitsOf(diagnosis).position;
+  const std::string unit = unitsOf(diagnosis, static_cast<int>(joint)).position;
   Figure figure;
   figure.wide = true;
   figure.zoom = true;

@@ -14,9 +14,6 @@
 namespace patella::diagnose {
 namespace {
 
-/// A recording's noise is independent so many times a second at most: twice the narrowest band of an analysis
-/// (motionBand_Hz).
-constexpr double kIndependent_Hz = 12.0;
 /// Keeps matrices solvable where columns are alike, of a column's own information.
 constexpr double kLeastInformation = 1e-9;
 

@@ -18,6 +18,12 @@
 
 namespace patella::diagnose {
 
+/// A recording's noise is independent so many times a second at most: twice the narrowest band of an analysis
+/// (motionBand_Hz).
+inline constexpr double kIndependent_Hz = 12.0;
+/// A person's push lasts longer: people push and yield about once a second.
+inline constexpr double kPushes_Hz = 2.4;
+
 struct NoiseOfJoint {
   double noise_Nm = 0.0;      ///< rms within the analysis' band
   double structure_Nm = 0.0;  ///< what no effect explains beyond it

@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "tools/diagnose/effects/considered.hpp"
+
 namespace patella::diagnose {
 namespace {
 

@@ -85,10 +85,6 @@ Name parsed(const std::string& text, int joints) {
 
 }  // namespace
 
-std::vector<std::string> commonKinds() {
-  return {"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias", "payload"};
-}
-
 bool isPlannable(std::string_view kind) {
   const EffectHome& home = effectHome(kind);
   // Timing has one number though its torque has no strength; see Recipe::proportional.

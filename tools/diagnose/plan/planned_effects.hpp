@@ -18,9 +18,6 @@ struct PlannedEffect {
   std::vector<double> nu;                ///< the middle of its grid
 };
 
-/// Kinds that are commonly missing, and of which each joint is asked where nothing else is.
-std::vector<std::string> commonKinds();
-
 /// Whether a motion can show the kind at all, and one number says how strong it is: not a muscle's torque,
 /// which goes with EMG, nor what mechanics with several numbers makes of a drive's torque.
 bool isPlannable(std::string_view kind);

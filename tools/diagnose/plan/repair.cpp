@@ -10,6 +10,7 @@
 
 #include "firmware_app/files/atomic_file.hpp"
 #include "firmware_app/files/file_error.hpp"
+#include "tools/diagnose/effects/considered.hpp"
 
 namespace patella::diagnose {
 namespace {

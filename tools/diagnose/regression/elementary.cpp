@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace patella::diagnose {
 namespace {
@@ -15,6 +16,30 @@ constexpr double kSoftest_rad_s = 1e-6;
 double jointRms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column, int joint) {
   return std::sqrt(column.segment(joint * data.rows(), data.rows()).squaredNorm() /
                    static_cast<double>(data.rows()));
+}
+
+std::vector<double> jointRms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column) {
+  std::vector<double> rms;
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    rms.push_back(jointRms(data, column, joint));
+  }
+  return rms;
+}
+
+std::array<double, 2> positionRange(const Dataset& data, int joint) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const Series& series : data.series()) {
+    for (const model::EffectInput& state : series.states) {
+      lowest = std::min(lowest, state.q[joint]);
+      highest = std::max(highest, state.q[joint]);
+    }
+  }
+  return {lowest, highest};
+}
+
+double rangeOf(const Dataset& data, int joint) {
+  const auto [lowest, highest] = positionRange(data, joint);
+  return highest - lowest;
 }
 
 std::vector<ElementaryEffect> elementaryEffects(const Dataset& data) {

@@ -2,6 +2,7 @@
 // something.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string_view>
 #include <vector>
@@ -31,5 +32,11 @@ std::vector<ElementaryColumn> elementaryColumns(const Dataset& data);
 
 /// One joint's part of a column, root mean square.
 double jointRms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column, int joint);
+/// Of every joint.
+std::vector<double> jointRms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column);
+
+/// Lowest and highest position of a joint, rad or m; and what lies between them.
+std::array<double, 2> positionRange(const Dataset& data, int joint);
+double rangeOf(const Dataset& data, int joint);
 
 }  // namespace patella::diagnose

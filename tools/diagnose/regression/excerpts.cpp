@@ -99,8 +99,8 @@ void cut(Recording& recording, double most_s) {
 
 }  // namespace
 
-void limitLength(std::vector<Recording>& recordings, double most_s) {
-  const double limit_s = longest_s(recordings, most_s);
+void limitLength(std::vector<Recording>& recordings, double most_s, double least_s) {
+  const double limit_s = std::max(longest_s(recordings, most_s), least_s);
   for (Recording& recording : recordings) {
     if (length_s(recording) > limit_s) {
       cut(recording, limit_s);

@@ -16,7 +16,8 @@ inline constexpr double kExcerpt_s = 15.0;
 }  // namespace length
 
 /// Leaves excerpts, spread evenly, of recordings that together are longer than `most_s`: the longest give
-/// most. What was left out is said in their warnings. Postures at rest stay as they are.
-void limitLength(std::vector<Recording>& recordings, double most_s);
+/// most. Each keeps at least `least_s`, however many they are: less would be too short to be analysed. What
+/// was left out is said in their warnings. Postures at rest stay as they are.
+void limitLength(std::vector<Recording>& recordings, double most_s, double least_s);
 
 }  // namespace patella::diagnose

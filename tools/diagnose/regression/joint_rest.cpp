@@ -3,25 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/sensor_noise.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
-namespace {
-
-double rms(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column, int joint) {
-  return column.segment(joint * data.rows(), data.rows()).norm() /
-         std::sqrt(static_cast<double>(data.rows()));
-}
-
-}  // namespace
-
 double JointRest::structure_Nm() const noexcept {
   return std::sqrt(std::max(left_Nm * left_Nm - noise_Nm * noise_Nm, 0.0));
 }
 
 bool JointRest::exceeds(double share) const noexcept {
-  return structure_Nm() > share * torque_Nm;
+  return structure_Nm() > share * torque_Nm && structure_Nm() > unknown::kLikeNoise * noise_Nm;
 }
 
 std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechanism) {
@@ -33,9 +25,9 @@ std::vector<double> loads_Nm(const Dataset& data, const Column& torque, const Ei
                              const model::BaseParameters& base) {
   std::vector<double> loads;
   for (int joint = 0; joint < data.joints(); ++joint) {
-    double load = rms(data, torque, joint);
+    double load = jointRms(data, torque, joint);
     for (Eigen::Index k = 0; k < base.size(); ++k) {
-      load = std::max(load, rms(data, regressor.col(k), joint) * std::abs(base[k]));
+      load = std::max(load, jointRms(data, regressor.col(k), joint) * std::abs(base[k]));
     }
     loads.push_back(load);
   }
@@ -43,27 +35,25 @@ std::vector<double> loads_Nm(const Dataset& data, const Column& torque, const Ei
 }
 
 std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mechanism) {
-  const Column torque = data.driveTorque();
-  const std::vector<double> loads = loads_Nm(data, mechanism);
+  const std::vector<double> loads = loads_Nm(data, mechanism), torque_Nm = jointRms(data, data.driveTorque());
   std::vector<bool> driven;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    driven.push_back(rms(data, torque, joint) > motion::kDriven * loads[static_cast<std::size_t>(joint)]);
+  for (std::size_t joint = 0; joint < loads.size(); ++joint) {
+    driven.push_back(torque_Nm[joint] > motion::kDriven * loads[joint]);
   }
   return driven;
 }
 
 std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
                                   std::span<const double> noise_Nm) {
-  const Column torque = data.driveTorque();
-  const std::vector<double> loads = loads_Nm(data, mechanism);
-  const std::vector<bool> driven = drivenJoints(data, mechanism);
+  const std::vector<double> loads = loads_Nm(data, mechanism), torque_Nm = jointRms(data, data.driveTorque()),
+                            all_left_Nm = jointRms(data, left);
   std::vector<JointRest> rests;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    const auto j = static_cast<std::size_t>(joint);
-    rests.push_back({.torque_Nm = driven[j] ? rms(data, torque, joint) : loads[j],
-                     .left_Nm = rms(data, left, joint),
-                     .noise_Nm = noise_Nm[j],
-                     .driven = driven[j]});
+  for (std::size_t joint = 0; joint < loads.size(); ++joint) {
+    const bool driven = torque_Nm[joint] > motion::kDriven * loads[joint];
+    rests.push_back({.torque_Nm = driven ? torque_Nm[joint] : loads[joint],
+                     .left_Nm = all_left_Nm[joint],
+                     .noise_Nm = noise_Nm[joint],
+                     .driven = driven});
   }
   return rests;
 }

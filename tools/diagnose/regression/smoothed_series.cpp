@@ -27,11 +27,15 @@ Samples everyNth(const Samples& signal, std::size_t step) {
   return kept;
 }
 
-// Torque at the instant of a sample: a held command's mean of the step before and the step after.
+// Torque at the instant of a sample: of one that was held, the mean of the step before and the step after.
 Samples actingTorque(Samples torque, TorqueTiming timing) {
   if (timing == TorqueTiming::kHeld) {
     for (std::size_t i = torque.size() - 1; i > 0; --i) {
       torque[i] = 0.5 * (torque[i] + torque[i - 1]);
+    }
+  } else if (timing == TorqueTiming::kBefore) {
+    for (std::size_t i = 0; i + 1 < torque.size(); ++i) {
+      torque[i] = 0.5 * (torque[i] + torque[i + 1]);
     }
   }
   return torque;

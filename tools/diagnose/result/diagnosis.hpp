@@ -67,8 +67,9 @@ struct EffectFinding {
   /// Half the 95 % interval of the torque of its strengths over that torque, where the parameters are their
   /// logarithms; 1 and more: it may be none.
   std::optional<double> torque_error{};
-  double p_value = 1.0;  ///< family-wise, from the parametric bootstrap
-  double gain = 0.0;     ///< log-likelihood that is lost without it, nats
+  /// Family-wise, from the parametric bootstrap; none where something else told.
+  std::optional<double> p_value{};
+  double gain = 0.0;  ///< log-likelihood that is lost without it, nats
   /// Kinds, or sums "kind+kind", that the recording cannot tell from this one; with "@2" where on another
   /// joint.
   std::vector<std::string> indistinguishable_from;
@@ -135,10 +136,10 @@ struct Revealed {
 
 /// Variables on which the remaining residual depends, strongest first.
 struct Dependence {
-  int joint = 0;              ///< whose residual
-  std::string variable;       ///< "dq1", "q2", "ddq1", "tau1", "time", "ddq1*q2", …
-  double explained_Nm = 0.0;  ///< rms of what a smooth function of the variable explains
-  double p_value = 1.0;
+  int joint = 0;                    ///< whose residual
+  std::string variable;             ///< "dq1", "q2", "ddq1", "tau1", "time", "ddq1*q2", …
+  double explained_Nm = 0.0;        ///< rms of what a smooth function of the variable explains
+  std::optional<double> p_value{};  ///< none where no chance was drawn
 };
 
 struct RefittedParameter {
@@ -201,7 +202,8 @@ struct DriveTiming {
 
 struct Diagnosis {
   Verdict verdict = Verdict::kNothingMissing;
-  std::string explanation;  ///< one or two sentences for people
+  std::string explanation;           ///< one or two sentences for people, and the remarks
+  std::vector<std::string> remarks;  ///< sentences on what the answer leaves open
   std::vector<Doubt> doubts;
   std::vector<EffectFinding> effects;
   ErrorMeasure before;    ///< the model as given
@@ -224,7 +226,6 @@ struct Diagnosis {
   std::uint64_t seed = 0;
   std::vector<InputFile> inputs;
   model::ModelDescription extended;  ///< what model.extended.toml holds
-  std::string torque_unit = "N·m";
   std::string plan_command;  ///< that plans a motion which tells more; empty where the motion told enough
 };
 

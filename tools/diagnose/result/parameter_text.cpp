@@ -52,15 +52,32 @@ std::string twoDigits(double value) {
 }  // namespace
 
 Units unitsOf(const Diagnosis& diagnosis) {
-  const bool linear = diagnosis.torque_unit == "N" || model::isLinear(diagnosis.extended.mechanism);
-  return linear ? kLinear : Units{};
+  const model::MechanismDescription& mechanism = diagnosis.extended.mechanism;
+  if (model::isLinear(mechanism)) {
+    return kLinear;
+  }
+  Units units;
+  for (int joint = 0; joint < diagnosis.extended.joints(); ++joint) {
+    if (model::isPrismatic(mechanism, joint)) {
+      return {.position = units.position + " or " + kLinear.position,
+              .torque = units.torque + " or " + kLinear.torque};
+    }
+  }
+  return units;
+}
+
+Units unitsOf(const model::MechanismDescription& mechanism, int joint) {
+  return model::isPrismatic(mechanism, joint) ? kLinear : Units{};
 }
 
 Units unitsOf(const Diagnosis& diagnosis, int joint) {
-  return model::isPrismatic(diagnosis.extended.mechanism, joint) ? kLinear : unitsOf(diagnosis);
+  return unitsOf(diagnosis.extended.mechanism, joint);
 }
 
 ParameterName splitName(std::string_view name, const Units& units) {
+  if (name == "phase_rad") {
+    return {.words = "phase", .unit = "rad"};  // of whatever repeats
+  }
   for (const UnitEnding& unit : kUnits) {
     if (name.size() > unit.ending.size() && name.ends_with(unit.ending)) {
       return {.words = words(name.substr(0, name.size() - unit.ending.size())),

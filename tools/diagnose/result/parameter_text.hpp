@@ -22,9 +22,11 @@ struct Units {
   std::string torque = "N·m";
 };
 
-/// m and N where all joints slide, whose parameters bear the names of a rotating joint's.
+/// Of all joints together: "rad or m" where some slide. Parameters of joints that slide bear the names of a
+/// rotating joint's.
 Units unitsOf(const Diagnosis& diagnosis);
 /// Of one joint, from 0.
+Units unitsOf(const model::MechanismDescription& mechanism, int joint);
 Units unitsOf(const Diagnosis& diagnosis, int joint);
 
 /// Takes the unit off a name of a model file: "smoothing_velocity_rad_s".
@@ -55,7 +57,7 @@ std::string numberAt(const std::vector<double>& values, std::size_t joint);
 /// Where an effect's parameter may lie physically; unlimited where the library does not know it.
 std::array<double, 2> physicalRange(std::string_view kind, std::string_view name);
 
-/// "an effect was found" …
+/// "Missing effect found" …
 std::string_view verdictWords(Verdict verdict) noexcept;
 
 }  // namespace patella::diagnose

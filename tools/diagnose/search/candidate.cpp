@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -69,13 +70,6 @@ std::vector<double> firstEstimate(const Recipe& recipe, const ModelFit& fit, con
 
 }  // namespace
 
-bool replaces(const Recipe& recipe, const Term& term) {
-  const Recipe& other = *term.recipe;
-  // A found effect with a shape of its own is no special case.
-  return other.joint == recipe.joint && other.nonlinear.empty() &&
-         std::find(recipe.contains.begin(), recipe.contains.end(), other.kind) != recipe.contains.end();
-}
-
 std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recipe,
                                       const std::vector<bool>& kept) {
   if (std::find(kept.begin(), kept.end(), false) == kept.end()) {
@@ -115,7 +109,7 @@ bool givenByOthers(ModelFitter& fitter, const ModelFit& fit, const Atom& atom) {
     return false;
   }
   ModelFit beside = fit;
-  std::erase_if(beside.terms, [&](const Term& term) { return replaces(*atom.recipe, term); });
+  std::erase_if(beside.terms, [&](const Term& term) { return contains(*atom.recipe, *term.recipe); });
   const std::vector<bool> own =
       ownCoefficients(fitter.basis(*atom.recipe, atom.nu), freeColumns(fitter, beside));
   return std::find(own.begin(), own.end(), true) == own.end();
@@ -128,7 +122,7 @@ std::optional<ModelFit> withCandidate(ModelFitter& fitter, const ModelFit& fit, 
   Term term{.recipe = atom.recipe, .c = {}, .nu = atom.nu, .declared = false, .prior_c = {}, .replaced = {}};
   Eigen::VectorXd given = Eigen::VectorXd::Zero(fit.residual.size());
   for (const Term& old : fit.terms) {
-    if (!replaces(*atom.recipe, old)) {
+    if (!contains(*atom.recipe, *old.recipe)) {
       start.terms.push_back(old);
       continue;
     }

@@ -9,10 +9,6 @@
 
 namespace patella::diagnose {
 
-/// Whether the torque of `term` is a special case of what `recipe` can give, so that `recipe` takes its
-/// place. True of declared terms too, among them one of the same kind: two of them would be one.
-bool replaces(const Recipe& recipe, const Term& term);
-
 /// The recipe without the coefficients that are not marked.
 std::shared_ptr<const Recipe> reduced(const std::shared_ptr<const Recipe>& recipe,
                                       const std::vector<bool>& kept);

@@ -24,7 +24,6 @@ struct DiagnoseOptions {
   /// rms of what a person pushes with, N·m, joint by joint, as who made the recording declares it; empty:
   /// nobody pushes.
   std::vector<double> person_Nm{};
-  double family_wise_p = accepted::kFamilyWiseP;  ///< a step is accepted below this
   Gates gates;
   /// Called from the diagnosing thread at each stage and in between; fraction 0…1 of the stage.
   std::function<void(std::string_view stage, double fraction)> progress;
@@ -32,7 +31,6 @@ struct DiagnoseOptions {
   FitOptions fit() const { return {.nominal_tolerance = nominal_tolerance}; }
   SelectionOptions selection() const {
     return {.replicates = bootstrap_replicates,
-            .family_wise_p = family_wise_p,
             .seed = seed,
             .pushed = !person_Nm.empty(),
             .gates = gates,

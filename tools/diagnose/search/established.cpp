@@ -22,12 +22,6 @@ bool holdsZero(const ParameterEstimate& estimate) {
   return estimate.ci95[0] <= 0.0 && estimate.ci95[1] >= 0.0;
 }
 
-// Effects that together are a function of one variable say something even where no parameter of theirs does.
-bool isPartOf(const std::vector<FreeFunction>& functions, std::size_t term) {
-  return std::any_of(functions.begin(), functions.end(),
-                     [term](const FreeFunction& function) { return function.holds(term); });
-}
-
 std::optional<std::size_t> notEstablished(const Dataset& data, const Selection& selection,
                                           const Eigen::MatrixXd& covariance) {
   const ModelFit& fit = selection.fit;

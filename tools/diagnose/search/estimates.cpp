@@ -34,7 +34,7 @@ std::set<std::string> atBound(const Term& term) {
   for (std::size_t k = 0; k < term.nu.size(); ++k) {
     const NonlinearParameter& range = recipe.nonlinear[k];
     const double near = 1e-6 * (range.upper - range.lower);
-    if (term.nu[k] <= range.lower + near || term.nu[k] >= range.upper - near) {
+    if (term.nu[k] <= range.lower + near || (term.nu[k] >= range.upper - near && !range.open_above)) {
       names.insert(shapeName(recipe, term.c, term.nu, k));
     }
   }

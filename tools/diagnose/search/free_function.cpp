@@ -17,23 +17,6 @@ namespace {
 /// A spring that hardens, softens or stops bends like a polynomial of this order.
 constexpr int kSmoothOrder = 5;
 
-struct Range {
-  double low;
-  double high;
-};
-
-Range positionRange(const Dataset& data, int joint) {
-  double low = std::numeric_limits<double>::max();
-  double high = std::numeric_limits<double>::lowest();
-  for (const Series& series : data.series()) {
-    for (const model::EffectInput& state : series.states) {
-      low = std::min(low, state.q[joint]);
-      high = std::max(high, state.q[joint]);
-    }
-  }
-  return {low, high};
-}
-
 // A ripple of few periods, or tissue with slopes far from the published ones, is a bend that took the nearest
 // shape.
 bool bends(const Dataset& data, const Term& term) {
@@ -46,9 +29,8 @@ bool bends(const Dataset& data, const Term& term) {
     }
     return false;
   }
-  const Range range = positionRange(data, term.recipe->joint);
-  return term.recipe->kind == "torque_ripple" &&
-         term.nu[0] * (range.high - range.low) < asserted::kPlainCycles;
+  const auto [low, high] = positionRange(data, term.recipe->joint);
+  return term.recipe->kind == "torque_ripple" && term.nu[0] * (high - low) < asserted::kPlainCycles;
 }
 
 // Torque of these terms as the fit has it, as a Column.
@@ -65,14 +47,14 @@ Eigen::VectorXd torqueOf(const ModelFit& fit, const std::vector<std::size_t>& te
 
 // Powers 0 … kSmoothOrder of the joint's position, its range brought to −1 … 1, as Columns.
 Eigen::MatrixXd polynomial(const Dataset& data, int joint) {
-  const Range range = positionRange(data, joint);
+  const auto [low, high] = positionRange(data, joint);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), kSmoothOrder + 1);
   for (int power = 0; power <= kSmoothOrder; ++power) {
-    columns.col(power).segment(joint * data.rows(),
-                               data.rows()) = data.variable([&](const Series& series, std::size_t i) {
-      const double x = (2.0 * series.states[i].q[joint] - range.low - range.high) / (range.high - range.low);
-      return std::pow(x, power);
-    });
+    columns.col(power).segment(joint * data.rows(), data.rows()) =
+        data.variable([&](const Series& series, std::size_t i) {
+          const double x = (2.0 * series.states[i].q[joint] - low - high) / (high - low);
+          return std::pow(x, power);
+        });
   }
   return columns;
 }
@@ -107,8 +89,7 @@ double errorWith(const ModelFit& fit, const std::vector<std::size_t>& terms, con
 // Whether a smooth spring would explain what these terms do about as well.
 bool smoothDoes(const Dataset& data, const ModelFit& fit, const std::vector<std::size_t>& terms, int joint) {
   const double named = fit.weighting->apply(fit.residual).squaredNorm() + fit.prior_residual.squaredNorm();
-  return errorWith(fit, terms, polynomial(data, joint)) - named <
-         rivals::kAlike * fit.prior_scale * fit.prior_scale;
+  return errorWith(fit, terms, polynomial(data, joint)) - named < rivals::kAlike * fit.redundancy();
 }
 
 }  // namespace

@@ -10,25 +10,12 @@
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
-namespace {
-
-std::vector<double> jointErrors(const Dataset& data, const Column& residual) {
-  std::vector<double> rms_Nm;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    rms_Nm.push_back(jointRms(data, residual, joint));
-  }
-  return rms_Nm;
-}
-
-}  // namespace
-
 std::vector<std::string> dropWhatDoesNotHold(ModelFitter& fitter, Selection& selection,
                                              const Dataset& heldout) {
-  const std::vector<double> unit_Nm = jointErrors(fitter.data(), selection.fit.residual);
+  const std::vector<double> unit_Nm = jointRms(fitter.data(), selection.fit.residual);
   // A hip's error is several times an ankle's, so joints count in units of theirs.
   const auto error = [&](const ModelFit& fit) {
-    const std::vector<double> left_Nm =
-        jointErrors(heldout, residualOf(heldout, fitter.describe(fit)).residual);
+    const std::vector<double> left_Nm = jointRms(heldout, residualOf(heldout, fitter.describe(fit)).residual);
     double squares = 0.0;
     for (std::size_t joint = 0; joint < left_Nm.size(); ++joint) {
       squares += unit_Nm[joint] > 0.0 ? std::pow(left_Nm[joint] / unit_Nm[joint], 2) : 0.0;

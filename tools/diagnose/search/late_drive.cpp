@@ -107,8 +107,7 @@ std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,
         parameterCovariance(data, found.fit, selection.replicates, selection.seed);
     late.push_back({.effect = {.kind = term.recipe->kind, .joint = joint, .parameters = parameters},
                     .estimate = estimates(found.fit, covariance, found.fit.terms.size() - 1).front(),
-                    .evidence = found.evidence.back(),
-                    .may_be_timing = parameters.front() < leastLateness_s(recordings)});
+                    .evidence = found.evidence.back()});
   }
   return late;
 }

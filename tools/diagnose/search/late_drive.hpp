@@ -17,7 +17,6 @@ struct LateDrive {
   model::EffectDescription effect;
   ParameterEstimate estimate;
   Evidence evidence;
-  bool may_be_timing = false;  ///< late by less than late_drive::kLeastPeriods
 };
 
 /// Why it is not asserted then.

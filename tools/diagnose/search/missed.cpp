@@ -32,7 +32,7 @@ bool restIsMissed(const ModelFitter& fitter, const ModelFit& fit) {
 
 bool knownIsMoved(const ModelFit& fit) {
   return fit.prior_residual.size() > 0 &&
-         fit.prior_residual.cwiseAbs2().maxCoeff() >= accepted::kMoved * fit.prior_scale * fit.prior_scale;
+         fit.prior_residual.cwiseAbs2().maxCoeff() >= accepted::kMoved * fit.redundancy();
 }
 
 bool gainIsMissed(const ModelFitter& fitter, const ModelFit& smaller, const ModelFit& larger) {
@@ -56,7 +56,7 @@ double priorRelief(const ModelFit& smaller, const ModelFit& larger) {
                     .squaredNorm();
     }
   }
-  return relief / std::pow(larger.prior_scale, 2);
+  return relief / larger.redundancy();
 }
 
 }  // namespace patella::diagnose

@@ -13,6 +13,7 @@
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/regression/joint_rest.hpp"
 #include "tools/diagnose/search/established.hpp"
 #include "tools/diagnose/search/friction_smoothing.hpp"
 #include "tools/diagnose/search/heldout_elimination.hpp"
@@ -24,6 +25,14 @@ namespace {
 
 bool holds(std::span<const int> joints, int joint) {
   return std::find(joints.begin(), joints.end(), joint) != joints.end();
+}
+
+// Of a machine some of whose joints swing by themselves. Other masses of all links by one factor ask nothing
+// of those, and less of what is left there: on the only drive its gain would pay for any factor.
+bool isOnlyDrive(const Dataset& data, const model::ModelDescription& model) {
+  const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
+  const std::vector<bool> driven = drivenJoints(data, bare.mechanism());
+  return driven.size() > 1 && std::count(driven.begin(), driven.end(), true) <= 1;
 }
 
 class Finder {
@@ -67,8 +76,11 @@ class Finder {
     turnRound(model, smoothing_rad_s, search);
     const std::vector<std::string> kinds = consideredKinds(options_.effects);
     auto considered = recipes(data, model.mechanism, kinds, recordings_.channels, smoothing_rad_s);
+    const bool only_drive = isOnlyDrive(data, model);
     std::erase_if(considered, [&](const auto& recipe) {
-      return !holds(moving_, recipe->joint) || (holds(timed_joints, recipe->joint) && isTiming(recipe->kind));
+      return !holds(moving_, recipe->joint) ||
+             (holds(timed_joints, recipe->joint) && isTiming(recipe->kind)) ||
+             (only_drive && recipe->scales_all);
     });
     search.atoms = recipeAtoms(*search.fitter, considered);
     options_.report("search", 0.0);
@@ -97,7 +109,7 @@ class Finder {
     const auto cost = [&](const ModelFit& fit) {
       return search.nominal.weighting->apply(fit.residual).squaredNorm() + fit.prior_residual.squaredNorm();
     };
-    const double least = accepted::kContradicted * std::pow(search.nominal.prior_scale, 2);
+    const double least = accepted::kContradicted * search.nominal.redundancy();
     if (cost(turned.nominal) + least < cost(search.nominal)) {
       search = std::move(turned);
     }
@@ -149,9 +161,10 @@ class Finder {
     const ModelFit& fit = first.selection.fit;
     const auto explainsAsWell = [&](ModelFitter& fitter, const ModelFit& start) {
       return fitter.fit(start, *fit.weighting).objective - fit.objective <
-             accepted::kContradicted * fit.prior_scale * fit.prior_scale;
+             accepted::kContradicted * fit.redundancy();
     };
     ModelFitter fitter(recordings_.train, model, options_.fit());
+    fitter.setRedundancy(fit.redundancy());
     if (explainsAsWell(fitter, fit)) {
       return true;
     }

@@ -53,11 +53,6 @@ double mostOverRest(const Joints& with, const Joints& without, std::span<const d
   return most;
 }
 
-bool isPartOfFunction(const std::vector<FreeFunction>& functions, std::size_t term) {
-  return std::any_of(functions.begin(), functions.end(),
-                     [term](const FreeFunction& function) { return function.holds(term); });
-}
-
 // The terms of one joint, the least one first: what it explained is left from then on. What may not be named
 // on other joints is left where it is, as something explains it.
 std::vector<const Recipe*> outweighedOn(int joint, ModelFitter& fitter, Selection selection,
@@ -71,12 +66,11 @@ std::vector<const Recipe*> outweighedOn(int joint, ModelFitter& fitter, Selectio
     const Recipe* recipe = nullptr;
     for (std::size_t t = 0; t < selection.fit.terms.size(); ++t) {
       const Term& term = selection.fit.terms[t];
-      if (term.recipe->joint != joint || term.declared || isPartOfFunction(functions, t)) {
+      if (term.recipe->joint != joint || term.declared || isPartOf(functions, t)) {
         continue;
       }
       Selection smaller = withoutTerm(fitter, selection, t);
-      const ModelFit without =
-          withinTolerance(smaller.fit, term.replaced, fitter.options().declared_tolerance);
+      const ModelFit without = withinTolerance(smaller.fit, term.replaced, runaway::kTolerance);
       const double over = mostOverRest(with, leftBy(fitter, without), noise_Nm);
       if (over < least) {
         least = over;

@@ -60,8 +60,7 @@ class Looker {
       const NoiseProcess noise(data_, left.col(r));
       double unit = 0.0;
       for (Eigen::Index k = 0; k < shape.dual.cols(); ++k) {
-        unit += noise.variance(shape.dual.col(k)) +
-                std::pow(fit_.prior_scale, 2) * shape.prior.col(k).squaredNorm();
+        unit += noise.variance(shape.dual.col(k)) + fit_.redundancy() * shape.prior.col(k).squaredNorm();
       }
       looks.push_back({.best = std::move(best), .unit = unit / static_cast<double>(shape.dual.cols())});
     }

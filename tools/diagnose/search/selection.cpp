@@ -44,7 +44,7 @@ class Selector {
   }
 
   Selection run() {
-    for (int step = 0; step < options_.most_effects && (forward(options_.family_wise_p) || forwardApart());
+    for (int step = 0; step < options_.most_effects && (forward(accepted::kFamilyWiseP) || forwardApart());
          ++step) {
       backward();
       report(static_cast<double>(step + 1) / options_.most_effects);
@@ -82,7 +82,7 @@ class Selector {
     }
     Selection before = result_;
     result_.fit = fitter_.fit(std::move(result_.fit), together.jointByJoint());
-    if (forward(unknown::kLevelOfSecondLook * options_.family_wise_p)) {
+    if (forward(unknown::kLevelOfSecondLook * accepted::kFamilyWiseP)) {
       return true;
     }
     result_ = std::move(before);
@@ -104,9 +104,7 @@ class Selector {
     const auto statistic = [cost = cost_](double gain, int dimensions) { return gain - cost * dimensions; };
     std::vector<double> chance = screening.chance(statistic);
     std::sort(chance.begin(), chance.end());
-    const auto place =
-        static_cast<std::size_t>((1.0 - family_wise_p) * static_cast<double>(chance.size() - 1));
-    const double threshold = chance[place];
+    const double threshold = leastMargin(chance, family_wise_p);
 
     Candidate* best = fitBest(fitter_, current, cost_, candidates);
     double p_value = best != nullptr ? judge(*best, chance, family_wise_p) : 1.0;
@@ -120,7 +118,7 @@ class Selector {
     }
     SelectionStep step = describeStep(candidates, threshold, cost_);
     step.p_value = p_value;
-    step.chance = leastMargin(chance, family_wise_p);
+    step.chance = threshold;
     const bool accepted = best != nullptr && best->refused_because.empty();
     if (accepted) {
       step.ranking[static_cast<std::size_t>(best - candidates.data())].accepted = true;

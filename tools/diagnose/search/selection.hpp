@@ -17,7 +17,6 @@ namespace patella::diagnose {
 
 struct SelectionOptions {
   int replicates = 499;
-  double family_wise_p = accepted::kFamilyWiseP;
   std::uint64_t seed = 1;
   int most_effects = 5;  ///< of two joints
   bool pushed = false;   ///< a person pushes, and so at several joints alike

@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/fit/model_error.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
+#include "tools/diagnose/result/parameter_text.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
 namespace patella::diagnose {
@@ -73,7 +74,7 @@ void tellWhichJointPays(Diagnosis& result) {
     if (after > held_out::kCost * before) {
       result.warnings.push_back(fmt::format(
           "the held-out error of joint {} grows from {:.3g} to {:.3g} {}, while that of all together falls",
-          joint + 1, before, after, result.torque_unit));
+          joint + 1, before, after, unitsOf(result, static_cast<int>(joint)).torque));
     }
   }
 }
@@ -108,8 +109,7 @@ void compareParts(Diagnosis& result) {
         !growsWithTorque(result.before, joint, fitted, unseen)) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
-                                    .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted),
-                                    .p_value = 1.0});
+                                    .explained_Nm = std::sqrt(unseen * unseen - fitted * fitted)});
       result.doubts.push_back(
           {Doubt::kHeldOutDiffers,
            fmt::format("Something else happens in the held-out part: the error of joint {} is {:.1f} times "

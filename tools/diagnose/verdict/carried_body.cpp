@@ -20,61 +20,7 @@
 namespace patella::diagnose {
 namespace {
 
-constexpr int kRounds = 5;
-constexpr double kUnit_kg = 1.0;
-constexpr double kDifference_m = 0.05;
-
-Eigen::Matrix3d pointInertia(double mass_kg, const Eigen::Vector3d& from_m) {
-  return mass_kg * (from_m.squaredNorm() * Eigen::Matrix3d::Identity() - from_m * from_m.transpose());
-}
-
-model::ChainLink withPoint(model::ChainLink link, double mass_kg, const Eigen::Vector3d& at_m) {
-  const Eigen::Vector3d own(link.com_m[0], link.com_m[1], link.com_m[2]);
-  const double whole_kg = link.mass_kg + mass_kg;
-  const Eigen::Vector3d centre = (link.mass_kg * own + mass_kg * at_m) / whole_kg;
-  const Eigen::Matrix3d added =
-      pointInertia(link.mass_kg, own - centre) + pointInertia(mass_kg, at_m - centre);
-  link.mass_kg = whole_kg;
-  link.com_m = {centre.x(), centre.y(), centre.z()};
-  link.inertia_kg_m2[0] += added(0, 0);
-  link.inertia_kg_m2[1] += added(1, 1);
-  link.inertia_kg_m2[2] += added(2, 2);
-  link.inertia_kg_m2[3] += added(0, 1);
-  link.inertia_kg_m2[4] += added(0, 2);
-  link.inertia_kg_m2[5] += added(1, 2);
-  return link;
-}
-
-/// Torque of a kilogram at a point of the last link.
-class PointTorque {
- public:
-  PointTorque(const Dataset& data, const model::ModelDescription& given)
-      : data_(data), bare_{.mechanism = given.mechanism, .effects = {}}, own_(torqueOf(bare_)) {}
-
-  Column at(const Eigen::Vector3d& point_m) const {
-    return torqueOf(withBody(bare_, {.mass_kg = kUnit_kg, .at_m = point_m})) - own_;
-  }
-
-  /// Change by a metre along each axis: exact, as the torque is quadratic in the place.
-  Eigen::MatrixXd slopes(const Eigen::Vector3d& point_m) const {
-    Eigen::MatrixXd columns(own_.size(), 3);
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const Eigen::Vector3d aside = kDifference_m * Eigen::Vector3d::Unit(axis);
-      columns.col(axis) = (at(point_m + aside) - at(point_m - aside)) / (2.0 * kDifference_m);
-    }
-    return columns;
-  }
-
- private:
-  Column torqueOf(const model::ModelDescription& model) const {
-    model::DynamicsModel dynamics = model::makeModel(model);
-    return data_.mechanismTorque(dynamics.mechanism(), JointVector::Zero(data_.joints()));
-  }
-
-  const Dataset& data_;
-  model::ModelDescription bare_;
-  Column own_;
-};
+constexpr int kBodyRounds = 5;
 
 struct Step {
   Eigen::Vector4d change;
@@ -91,13 +37,13 @@ Step stepOf(const ModelFit& fit, const Eigen::MatrixXd& columns) {
       (free.weighted.transpose() * free.weighted).completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::Vector4d unit = free.length.tail<4>().cwiseInverse();
   return {.change = scaled.tail<4>().cwiseProduct(unit),
-          .covariance = fit.prior_scale * fit.prior_scale *
-                        (unit.asDiagonal() * inverse.bottomRightCorner<4, 4>() * unit.asDiagonal())};
+          .covariance =
+              fit.redundancy() * (unit.asDiagonal() * inverse.bottomRightCorner<4, 4>() * unit.asDiagonal())};
 }
 
 // Squared standard deviations by which a fit moved each parameter of its model off what is known of it.
 Eigen::ArrayXd movedBy(const ModelFit& fit) {
-  return fit.prior_residual.array().square() / (fit.prior_scale * fit.prior_scale);
+  return fit.prior_residual.array().square() / fit.redundancy();
 }
 
 // The given model with the friction that was found: it acts beside any body. What goes with the position may
@@ -121,7 +67,7 @@ double movedIn(const Diagnosis& diagnosis) {
 }
 
 // Within what the effect of that name may be, which model files hold.
-bool isPayload(const CarriedBody& body) {
+bool isPayload(const PointBody& body) {
   return body.mass_kg < physicalRange("payload", "mass_kg")[1] &&
          body.at_m.norm() < physicalRange("payload", "distance_m")[1];
 }
@@ -133,28 +79,28 @@ std::array<double, 2> interval(double value, double variance) {
 
 }  // namespace
 
-model::ModelDescription withBody(model::ModelDescription model, const CarriedBody& body) {
-  if (auto* chain = std::get_if<model::SerialChainParameters>(&model.mechanism)) {
-    chain->links.back() = withPoint(chain->links.back(), body.mass_kg, body.at_m);
-  }
-  return model;
-}
-
 std::optional<CarriedBody> suspectedBody(const Dataset& data, const model::ModelDescription& given,
-                                         const FitOptions& options, const Diagnosis& diagnosis) {
+                                         const FitOptions& options, double redundancy,
+                                         const Diagnosis& diagnosis) {
   if (!std::holds_alternative<model::SerialChainParameters>(given.mechanism) || data.isStatic()) {
     return std::nullopt;
   }
   const model::ModelDescription model = besideBody(given, diagnosis);
-  ModelFit fit = ModelFitter(data, model, options).nominal();
+  const auto fitOf = [&](const model::ModelDescription& described) {
+    ModelFitter fitter(data, described, options);
+    fitter.setRedundancy(redundancy);
+    return fitter.nominal();
+  };
+  ModelFit fit = fitOf(model);
   const Eigen::ArrayXd moved = movedBy(fit);
   if (moved.size() == 0 || moved.maxCoeff() < std::pow(runaway::kWithinTolerance, 2)) {
     return std::nullopt;
   }
   const PointTorque torque(data, given);
-  CarriedBody body;
+  CarriedBody found;
+  PointBody& body = found.body;
   Step step;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kBodyRounds; ++round) {
     Eigen::MatrixXd columns(fit.residual.size(), 4);
     // Mass times place at first: without a mass no place matters.
     columns << torque.at(body.at_m), (round == 0 ? 1.0 : body.mass_kg) * torque.slopes(body.at_m);
@@ -167,19 +113,19 @@ std::optional<CarriedBody> suspectedBody(const Dataset& data, const model::Model
     if (!isPayload(body)) {
       return std::nullopt;
     }
-    fit = ModelFitter(data, withBody(model, body), options).nominal();
+    fit = fitOf(withBody(model, body));
   }
   const double still_moved = movedBy(fit).sum();
   if (still_moved > (1.0 - shared::kSuspected) * moved.sum()) {
     return std::nullopt;
   }
-  body.gain_nats = 0.5 * (moved.sum() - still_moved);
+  found.gain_nats = 0.5 * (moved.sum() - still_moved);
   const double distance_m = body.at_m.norm();
   const Eigen::Vector3d outwards = body.at_m / std::max(distance_m, 1e-9);
-  body.mass_ci95_kg = interval(body.mass_kg, step.covariance(0, 0));
-  body.distance_ci95_m =
+  found.mass_ci95_kg = interval(body.mass_kg, step.covariance(0, 0));
+  found.distance_ci95_m =
       interval(distance_m, outwards.dot(step.covariance.bottomRightCorner<3, 3>() * outwards));
-  return body;
+  return found;
 }
 
 bool bodyBearsOut(const Diagnosis& with_body, const Diagnosis& as_given) {
@@ -192,16 +138,15 @@ bool bodyBearsOut(const Diagnosis& with_body, const Diagnosis& as_given) {
           movedIn(with_body) < (1.0 - shared::kSuspected) * movedIn(as_given));
 }
 
-Diagnosis withBodyFound(const CarriedBody& body, Diagnosis with_body, const Diagnosis& before) {
+Diagnosis withBodyFound(const CarriedBody& found, Diagnosis with_body, const Diagnosis& before) {
   with_body.before = before.before;
   with_body.refitted = before.refitted;
   EffectFinding finding{
       .kind = "payload",
       .joint = static_cast<int>(before.before.train_rms_Nm.size()) - 1,
-      .parameters = {{.name = "mass_kg", .value = body.mass_kg, .ci95 = body.mass_ci95_kg},
-                     {.name = "distance_m", .value = body.at_m.norm(), .ci95 = body.distance_ci95_m}},
-      .p_value = accepted::kFamilyWiseP,
-      .gain = body.gain_nats,
+      .parameters = {{.name = "mass_kg", .value = found.body.mass_kg, .ci95 = found.mass_ci95_kg},
+                     {.name = "distance_m", .value = found.body.at_m.norm(), .ci95 = found.distance_ci95_m}},
+      .gain = found.gain_nats,
       .indistinguishable_from = {},
       .replaces = {},
       .separating_motion = {}};
@@ -212,7 +157,7 @@ Diagnosis withBodyFound(const CarriedBody& body, Diagnosis with_body, const Diag
   with_body.explanation = fmt::format(
       "A body of {:.3g} kg on the last link, at [{:.2f}, {:.2f}, {:.2f}] m in its axes, explains what "
       "other masses of all links would have to: a payload, a tool or an orthosis. With it in the model: {}",
-      body.mass_kg, body.at_m.x(), body.at_m.y(), body.at_m.z(), beside);
+      found.body.mass_kg, found.body.at_m.x(), found.body.at_m.y(), found.body.at_m.z(), beside);
   return with_body;
 }
 

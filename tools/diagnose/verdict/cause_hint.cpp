@@ -75,9 +75,9 @@ std::string spanning(const Dataset& data, const Column& residual, int joint) {
       if (share > most && 1.0 - share < (1.0 - unknown::kGoesWith) * (1.0 - alone)) {
         most = share;
         words = fmt::format(
-            "Of what is missing on joint {0}, {1:.0f} % goes in proportion with {2}{0} and {2}{3}: something "
-            "spans "
-            "these joints.",
+            "{1:.0f} % of what joint {0} lacks goes in proportion with {2}{0} and {2}{3}: something spans "
+            "these "
+            "joints.",
             joint + 1, kPercent * share, stem, other + 1);
       }
     }

@@ -125,8 +125,7 @@ void compareStrengths(const Dataset& data, const ModelFit& fit, std::span<const 
           {.joint = fit.terms[t].recipe->joint,
            .variable = "recording",
            .explained_Nm = std::abs(locals[a].step[*strength]) *
-                           jointRms(data, fit.tangent.col(*strength), fit.terms[t].recipe->joint),
-           .p_value = contradiction::kSignificant});
+                           jointRms(data, fit.tangent.col(*strength), fit.terms[t].recipe->joint)});
       break;
     }
   }
@@ -170,7 +169,7 @@ void compareErrors(const Dataset& data, const ModelFit& fit, std::span<const std
   if (freedom <= 0 || apart.rest > contradiction::kSameMachine * together.rest) {
     return;
   }
-  const double gain = (together.rest - apart.rest) / (fit.prior_scale * fit.prior_scale);
+  const double gain = (together.rest - apart.rest) / fit.redundancy();
   const double p_value = boost::math::cdf(
       boost::math::complement(boost::math::chi_squared(static_cast<double>(freedom)), std::max(0.0, gain)));
   if (p_value >= contradiction::kSignificant) {

@@ -31,7 +31,7 @@ std::vector<Eigen::Index> givenParameters(const ModelFit& fit) {
 }  // namespace
 
 Detector::Detector(const Dataset& data, const ModelFit& fit, double threshold)
-    : data_(data), fit_(fit), threshold_(threshold), redundancy_(fit.prior_scale * fit.prior_scale) {
+    : data_(data), fit_(fit), threshold_(threshold), redundancy_(fit.redundancy()) {
   const std::vector<Eigen::Index> given = givenParameters(fit);
   const auto count = static_cast<Eigen::Index>(given.size());
   const Eigen::MatrixXd slope = fit.weighting->apply(fit.tangent(Eigen::all, given));
@@ -77,7 +77,7 @@ std::vector<const Atom*> someAtoms(std::span<const Atom* const> points) {
 
 double thresholdOf(const Diagnosis& diagnosis, const ModelFit& fit) {
   if (!diagnosis.steps.empty() && !diagnosis.steps.back().ranking.empty()) {
-    return std::max(1.0, 2.0 * diagnosis.steps.back().ranking.front().threshold + parameterCost(fit));
+    return std::max(1.0, diagnosis.steps.back().chance + parameterCost(fit));
   }
   return shown::kTypicalChance + parameterCost(fit);
 }

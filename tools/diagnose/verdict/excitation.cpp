@@ -129,15 +129,15 @@ std::string obstacle(std::span<const JointSignals> signals, const Dataset& data,
     if (one.constant_torque && one.moves &&
         missing_Nm > motion::kFreeSwing * jointRms(data, inertial, joint)) {
       return fmt::format(
-          "The torque of joint {} never changes, though its motion takes {:.3g} N·m more or less than what "
+          "The torque of joint {} never changes, though its motion takes {:.3g} {} more or less than what "
           "friction, a spring and other masses could make of it.",
-          joint + 1, missing_Nm);
+          joint + 1, missing_Nm, unitsOf(model.mechanism, joint).torque);
     }
     if (one.clipped_share > motion::kMostClipped) {
       return fmt::format(
-          "The torque of joint {} is cut off at {:.4g} N·m in {:.0f} % of the rows: what acted there "
+          "The torque of joint {} is cut off at {:.4g} {} in {:.0f} % of the rows: what acted there "
           "is not known.",
-          joint + 1, one.clipped_Nm, kPercent * one.clipped_share);
+          joint + 1, one.clipped_Nm, unitsOf(model.mechanism, joint).torque, kPercent * one.clipped_share);
     }
   }
   return {};
@@ -159,9 +159,9 @@ void describeMotion(std::span<const JointSignals> signals, Diagnosis& diagnosis)
           joint.line_Hz, j + 1));
     }
     if (joint.clipped_share > motion::kLeastClipped) {
-      diagnosis.warnings.push_back(
-          fmt::format("the torque of joint {} is cut off at {:.4g} N·m in {:.1f} % of the rows", j + 1,
-                      joint.clipped_Nm, kPercent * joint.clipped_share));
+      diagnosis.warnings.push_back(fmt::format(
+          "the torque of joint {} is cut off at {:.4g} {} in {:.1f} % of the rows", j + 1, joint.clipped_Nm,
+          unitsOf(diagnosis, static_cast<int>(j)).torque, kPercent * joint.clipped_share));
     }
   }
 }
@@ -185,12 +185,14 @@ void judgeExcitation(std::span<const JointSignals> signals, const Dataset& data,
 
   const Column torque = data.driveTorque();
   for (int joint = 0; joint < data.joints(); ++joint) {
-    if (!signals[static_cast<std::size_t>(joint)].moves && !data.isStatic() &&
+    const auto j = static_cast<std::size_t>(joint);
+    const RestOfJoint& rest = diagnosis.rests[j];
+    if (!signals[j].moves && !data.isStatic() && rest.structure_Nm > unknown::kLikeNoise * rest.noise_Nm &&
         jointRms(data, fit.residual, joint) > motion::kRestExplained * jointRms(data, torque, joint)) {
       diagnosis.doubts.push_back(
           {Doubt::kRestingTorque,
            fmt::format("Joint {} is at rest by its encoder, but its torque is not what would hold it there; "
-                       "what moves the other joint cannot be told either.",
+                       "what moves the others cannot be told either.",
                        joint + 1)});
       return;
     }

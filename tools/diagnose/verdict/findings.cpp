@@ -44,10 +44,13 @@ void addConfounds(EffectFinding& finding, int joints) {
     const bool rubbed = std::find(before.begin(), before.end(), "coulomb_friction") != before.end();
     finding.indistinguishable_from.emplace_back(rubbed ? "torque_bias" : "coulomb_friction+torque_bias");
   }
-  // A contact too stiff to show.
+  // A contact too stiff to show, or whose stiffness the recording does not tell.
   if (finding.kind == "presliding_hysteresis" &&
       std::any_of(finding.parameters.begin(), finding.parameters.end(),
-                  [](const ParameterEstimate& estimate) { return estimate.at_bound; }) &&
+                  [](const ParameterEstimate& estimate) {
+                    return estimate.at_bound ||
+                           (estimate.name == "stiffness_Nm_rad" && estimate.ci95[0] <= 0.0);
+                  }) &&
       std::find(known.begin(), known.end(), "coulomb_friction") == known.end()) {
     finding.indistinguishable_from.emplace_back("coulomb_friction");
   }
@@ -162,13 +165,14 @@ std::string whatIsLeft(const Diagnosis& diagnosis) {
   if (worst == nullptr) {
     return "the residual is no more than noise.";
   }
+  const auto joint = static_cast<int>(worst - diagnosis.rests.data());
+  const std::string unit = unitsOf(diagnosis, joint).torque;
   return fmt::format(
       "nothing that was looked for explains more. {:.2g} {} are left on joint {}, {:.2g} % of its torque; "
-      "sensors "
-      "make {:.2g} {}. That is a push that was not declared (--person), or something that no test here "
-      "tells.",
-      worst->structure_Nm, diagnosis.torque_unit, worst - diagnosis.rests.data() + 1,
-      100.0 * worst->structure_Nm / worst->torque_Nm, worst->noise_Nm, diagnosis.torque_unit);
+      "sensors make {:.2g} {}. That is a push that was not declared (--person), or something that no test "
+      "here tells.",
+      worst->structure_Nm, unit, joint + 1, kPercent * worst->structure_Nm / worst->torque_Nm,
+      worst->noise_Nm, unit);
 }
 
 }  // namespace

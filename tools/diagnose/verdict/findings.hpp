@@ -12,6 +12,8 @@ namespace patella::diagnose {
 
 /// Text after "possibly: " for an effect that is not asserted.
 inline constexpr const char* kOutweighedWords = "what stays unexplained is as large";
+/// Likewise, where nothing stays unexplained.
+inline constexpr const char* kTakenUpWords = "the model's own parameters could take its place";
 inline constexpr const char* kMayBeOfCauseWords =
     "it explains no more than the cause may leave that all joints share";
 

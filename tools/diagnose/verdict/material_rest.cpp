@@ -1,6 +1,7 @@
 #include "tools/diagnose/verdict/material_rest.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,7 +45,8 @@ std::string deadWords(const JointRest& rest, std::size_t joint, std::string_view
 
 }  // namespace
 
-void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnosis) {
+void judgeRest(std::span<const JointRest> rests, std::span<const double> before_Nm, bool person,
+               Diagnosis& diagnosis) {
   for (const JointRest& rest : rests) {
     diagnosis.rests.push_back(
         {.torque_Nm = rest.torque_Nm, .structure_Nm = rest.structure_Nm(), .noise_Nm = rest.noise_Nm});
@@ -53,18 +55,28 @@ void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnos
       std::any_of(rests.begin(), rests.end(), [](const JointRest& rest) { return rest.driven; });
   const auto mayBeDead = [&](std::size_t joint) { return any_driven && !rests[joint].driven; };
   const auto doubt = [&](Doubt::Kind kind, std::size_t joint) {
-    diagnosis.doubts.push_back({kind, mayBeDead(joint)
-                                          ? deadWords(rests[joint], joint, diagnosis.torque_unit)
-                                          : wordsOf(rests[joint], joint, person, diagnosis.torque_unit)});
+    const std::string unit = unitsOf(diagnosis, static_cast<int>(joint)).torque;
+    diagnosis.doubts.push_back({kind, mayBeDead(joint) ? deadWords(rests[joint], joint, unit)
+                                                       : wordsOf(rests[joint], joint, person, unit)});
   };
-  // A spring may stand for a column that is dead.
-  const auto bare = worstOf(rests, [&](std::size_t joint) {
-    return mayBeDead(joint) ||
-           std::none_of(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
-             return effect.asserted() && effect.joint == static_cast<int>(joint);
-           });
-  });
-  if (bare && rests[*bare].exceeds(unknown::kMaterialRest)) {
+  const auto hasFinding = [&](std::size_t joint) {
+    return std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [joint](const auto& effect) {
+      return effect.asserted() && effect.joint == static_cast<int>(joint);
+    });
+  };
+  double found_share = 0.0;  // of its torque, on the joint where what was found explains most
+  for (std::size_t joint = 0; joint < rests.size(); ++joint) {
+    if (hasFinding(joint) && before_Nm[joint] > rests[joint].left_Nm) {
+      found_share =
+          std::max(found_share, std::sqrt(std::pow(before_Nm[joint], 2) - std::pow(rests[joint].left_Nm, 2)) /
+                                    rests[joint].torque_Nm);
+    }
+  }
+  // A spring may stand for a column that is dead. And a trifle that was found on one joint is not the answer
+  // where more is missing on another.
+  const auto bare = worstOf(rests, [&](std::size_t joint) { return mayBeDead(joint) || !hasFinding(joint); });
+  if (bare && (rests[*bare].exceeds(unknown::kMaterialRest) ||
+               (found_share > 0.0 && rests[*bare].exceeds(std::max(unknown::kRestOfNothing, found_share))))) {
     doubt(Doubt::kJointUnexplained, *bare);
   }
   const auto worst = worstOf(rests, [](std::size_t) { return true; });

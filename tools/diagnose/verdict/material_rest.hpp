@@ -10,8 +10,10 @@ namespace patella::diagnose {
 
 /// A noise model takes up whatever is slow or periodic; sensors make noise of a size of their own. Writes
 /// each joint's rest into the diagnosis, and a doubt where more than unknown::kRestOfNothing of a torque is
-/// left beyond noise, another one where more than unknown::kMaterialRest is. `person`: her pushes were
-/// declared and count as noise.
-void judgeRest(std::span<const JointRest> rests, bool person, Diagnosis& diagnosis);
+/// left beyond noise, another one where more than unknown::kMaterialRest is; and where more is left on a
+/// joint without a finding than the findings explain of `before_Nm`, which the model left on each joint
+/// without them. `person`: her pushes were declared and count as noise.
+void judgeRest(std::span<const JointRest> rests, std::span<const double> before_Nm, bool person,
+               Diagnosis& diagnosis);
 
 }  // namespace patella::diagnose

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/diagnose/checks/plain_columns.hpp"
 #include "tools/diagnose/effects/relations.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/search/correlations.hpp"
@@ -149,10 +148,39 @@ bool mayBeOfCause(const EffectFinding& effect, std::span<const double> cause_Nm,
 
 // Whether a drive is late by less than a reader of columns may be.
 bool mayBeTiming(const EffectFinding& effect, std::span<const Recording> recordings) {
-  return isTiming(effect.kind) &&
-         std::any_of(recordings.begin(), recordings.end(), [&](const Recording& recording) {
-           return effect.parameters.front().value * recording.rate_Hz < late_drive::kLeastPeriods;
-         });
+  return isTiming(effect.kind) && effect.parameters.front().value < leastLateness_s(recordings);
+}
+
+// What counts for nothing beside masses that may be others is not outweighed by a rest that is noise.
+void nameTakenByMasses(std::span<const JointRest> rests, std::vector<EffectFinding>& effects) {
+  for (EffectFinding& effect : effects) {
+    const JointRest& rest = rests[static_cast<std::size_t>(effect.joint)];
+    if (effect.not_asserted_because == kOutweighedWords && effect.kind != "tremor" &&
+        rest.structure_Nm() <= unknown::kLikeNoise * rest.noise_Nm) {
+      effect.not_asserted_because = kTakenUpWords;
+    }
+  }
+}
+
+void nameDoubtful(const AnalysedRecordings& recordings, std::span<const double> cause_Nm,
+                  MissingEffects& found, std::vector<EffectFinding>& effects) {
+  const Dataset& data = recordings.train;
+  for (EffectFinding& effect : effects) {
+    if (!effect.asserted()) {
+      continue;
+    }
+    if (strengthIsUnknown(effect)) {
+      effect.not_asserted_because = kUnknownStrengthWords;
+    } else if (mayBeTiming(effect, recordings.parts.train)) {
+      effect.not_asserted_because = kMayBeTimingWords;
+    } else if (mayBeOfCause(effect, cause_Nm, data, found)) {
+      effect.not_asserted_because = kMayBeOfCauseWords;
+    } else if (periodsAreUnknown(effect, rangeOf(data, effect.joint))) {
+      effect.not_asserted_because = kUnknownPeriodsWords;
+    } else if (mayBeAnother(effect)) {
+      effect.not_asserted_because = kMayBeAnotherWords;
+    }
+  }
 }
 
 }  // namespace
@@ -171,12 +199,8 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
   for (const LateDrive& late : found.late) {
     diagnosis.effects.push_back(
         findingOf(late.effect.kind, late.effect.joint, {late.estimate}, late.evidence, data.joints()));
-    if (late.may_be_timing) {
-      diagnosis.effects.back().not_asserted_because = kMayBeTimingWords;
-    }
   }
   addConfoundsBetween(diagnosis.effects);
-  warnOfEarlyColumns(diagnosis);
   addTremors(recordings, found.fitter->describe(selection.fit), found.fitter->leastTorque_Nm(), rest.joints,
              options, diagnosis);
   // An effect that comes and goes, or is of another shape than any of the library, is not nothing.
@@ -191,27 +215,18 @@ void nameEffects(const AnalysedRecordings& recordings, MissingEffects& found, co
   if (unexplained || !free.empty()) {
     diagnosis.doubts.push_back({Doubt::kUnexplained, {}});
   }
-  for (EffectFinding& effect : diagnosis.effects) {
-    if (effect.asserted() && strengthIsUnknown(effect)) {
-      effect.not_asserted_because = kUnknownStrengthWords;
-    } else if (effect.asserted() && mayBeTiming(effect, recordings.parts.train)) {
-      effect.not_asserted_because = kMayBeTimingWords;
-    } else if (effect.asserted() && mayBeOfCause(effect, cause_Nm, data, found)) {
-      effect.not_asserted_because = kMayBeOfCauseWords;
-    } else if (effect.asserted() && periodsAreUnknown(effect, rangeOf(data, effect.joint))) {
-      effect.not_asserted_because = kUnknownPeriodsWords;
-    } else if (effect.asserted() && mayBeAnother(effect)) {
-      effect.not_asserted_because = kMayBeAnotherWords;
-    }
-  }
+  nameDoubtful(recordings, cause_Nm, found, diagnosis.effects);
+  nameTakenByMasses(rest.joints, diagnosis.effects);
   if (std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const EffectFinding& effect) {
         return !effect.asserted() && effect.not_asserted_because != kMayBeTimingWords &&
                effect.not_asserted_because != kMayBeOfCauseWords && mayMatter(effect, data, found);
       })) {
     diagnosis.doubts.push_back({Doubt::kOutweighed,
-                                "What was found is smaller than what stays unexplained, or of unknown size: "
-                                "it may be a part of something else that is missing."});
+                                "What was found is no more than what stays unexplained or the model's own "
+                                "parameters could be, or of unknown size: it may be a part of something else "
+                                "that is missing."});
   }
+  warnOfEarlyColumns(diagnosis);
   diagnosis.nominal = refittedParameters(*found.fitter, selection.fit, covariance);
   if (std::string moved = beyondTolerance(diagnosis); !moved.empty()) {
     diagnosis.doubts.push_back({Doubt::kParametersMoved, std::move(moved)});

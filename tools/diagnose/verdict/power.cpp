@@ -1,7 +1,6 @@
 #include "tools/diagnose/verdict/power.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/model/effect.hpp"
+#include "tools/diagnose/effects/considered.hpp"
 #include "tools/diagnose/effects/effect_home.hpp"
 #include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
@@ -25,10 +25,6 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Effects that are named in a sentence.
 constexpr std::size_t kTold = 5;
-/// Effects that are commonly missing: these come first.
-constexpr std::array kCommon{"coulomb_friction", "viscous_friction", "linear_stiffness", "torque_bias",
-                             "payload"};
-
 /// A rehearsal goes up from the size that known noise would allow, and anybody miss, in such steps, and
 /// halves the last one so many times. The middle of what is left is the size, since its upper end would be 4
 /// % too large in the mean.
@@ -97,7 +93,8 @@ std::vector<const Atom*> plainPoints(std::span<const Atom* const> points) {
 }
 
 bool isCommon(const Revealed& revealed) {
-  return std::find(kCommon.begin(), kCommon.end(), revealed.kind) != kCommon.end();
+  const std::vector<std::string> common = commonKinds();
+  return std::find(common.begin(), common.end(), revealed.kind) != common.end();
 }
 
 }  // namespace

@@ -22,7 +22,6 @@ namespace {
 constexpr int kRounds = 2;
 /// Keeps equations solvable where columns are alike.
 constexpr double kRidge = 1e-10;
-constexpr std::uint64_t kSeed = 20011;
 
 /// Normal equations of a weighted fit, with what is known of its parameters.
 struct Equations {
@@ -153,7 +152,7 @@ bool Rehearsal::accepts(const ModelFit& without, const ModelFit& with) const {
     return false;
   }
   const Blockwise blocks(without, with);
-  return blocks.foreseen() && blocks.isStable(unit * cost, kSeed);
+  return blocks.foreseen() && blocks.isStable(unit * cost, kUnitSeed);
 }
 
 bool Rehearsal::outweighsRest(const ModelFit& without, const ModelFit& with) const {

@@ -256,7 +256,7 @@ std::vector<Runaway> runawaysOf(const Diagnosis& diagnosis, const model::ModelDe
     addNominal(parameter, tolerances.nominal_tolerance, units, all);
   }
   for (std::size_t i = 0; i < given.effects.size(); ++i) {
-    addDeclared(diagnosis, given, i, tolerances.declared_tolerance, all);
+    addDeclared(diagnosis, given, i, runaway::kTolerance, all);
   }
   return all;
 }

@@ -60,14 +60,6 @@ Explained explainedBy(const Dataset& data, const ModelFit& fit, const Column& kn
   return {.sizes = own, .torque = known + torque, .share = goneFrom(data, fit.residual, left)};
 }
 
-std::vector<double> rmsOfJoints(const Dataset& data, const Column& torque) {
-  std::vector<double> rms_Nm;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    rms_Nm.push_back(jointRms(data, torque, joint));
-  }
-  return rms_Nm;
-}
-
 struct Suspicion {
   SharedCause cause;
   double share = 0.0;  ///< of what is missing on all joints
@@ -104,7 +96,7 @@ std::optional<Suspicion> tiltedBase(const Dataset& data, const model::ModelDescr
       "[{:.3f}, {:.3f}, {:.3f}]: check how it is mounted.",
       std::acos(std::min(1.0, upright.dot(down))) * 180.0 / std::numbers::pi, gravity_m_s2.x(),
       gravity_m_s2.y(), gravity_m_s2.z());
-  cause.torque_Nm = rmsOfJoints(data, explained.torque);
+  cause.torque_Nm = jointRms(data, explained.torque);
   return Suspicion{std::move(cause), explained.share};
 }
 
@@ -119,7 +111,7 @@ std::optional<Suspicion> lateTorque(const Dataset& data, const ModelFit& fit) {
   }
   SharedCause cause;
   cause.torque_late_s = explained.sizes[0];
-  cause.torque_Nm = rmsOfJoints(data, explained.torque);
+  cause.torque_Nm = jointRms(data, explained.torque);
   cause.words = fmt::format("All torque columns come {:.2g} ms late: check their filters and times.",
                             1e3 * cause.torque_late_s);
   return Suspicion{std::move(cause), explained.share};
@@ -215,6 +207,7 @@ Diagnosis withCauses(std::span<const SharedCause> causes, Diagnosis taken_out, c
   if (!words.empty()) {
     taken_out.doubts.push_back(
         {Doubt::kSharedCause, words + "With that taken out: " + taken_out.explanation});
+    taken_out.remarks.clear();  // they stand in the explanation
     settle(taken_out);
   }
   return taken_out;

@@ -116,6 +116,9 @@ std::optional<TremorLine> findTremorLine(const Dataset& data, const Eigen::Vecto
       continue;
     }
     const double background = neighbourhood(spectrum, k);
+    if (!(background > 0.0)) {
+      continue;
+    }
     const double ratio = spectrum.power[k] / background;
     const double tail = boost::math::cdf(
         boost::math::complement(boost::math::chi_squared(freedom), std::min(freedom * ratio, 1e4)));

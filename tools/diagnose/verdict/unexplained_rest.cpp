@@ -20,7 +20,7 @@ std::vector<double> leastUnnamed_Nm(const ModelFitter& fitter) {
 UnexplainedRest unexplainedRest(const AnalysedRecordings& recordings, const model::Mechanism& mechanism,
                                 std::span<const double> noise_Nm, const DiagnoseOptions& options,
                                 MissingEffects& found) {
-  const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * options.family_wise_p;
+  const double level = (found.namesAny() ? unknown::kLevelBehindNamed : 1.0) * accepted::kFamilyWiseP;
   // Behind what was named, a dependence is held against its size.
   const std::vector<double> least_Nm =
       found.namesAny() ? found.fitter->leastTorque_Nm() : leastUnnamed_Nm(*found.fitter);

@@ -37,8 +37,15 @@ constexpr std::array kRules{
     Rule{Doubt::kParametersMoved, Against::kNothing, Verdict::kUnknownEffect},
 };
 
-static_assert(std::is_sorted(kRules.begin(), kRules.end(),
-                             [](const Rule& a, const Rule& b) { return a.kind < b.kind; }));
+constexpr bool isInOrder() {
+  for (std::size_t i = 0; i < kRules.size(); ++i) {
+    if (static_cast<std::size_t>(kRules[i].kind) != i) {
+      return false;
+    }
+  }
+  return kRules.size() == static_cast<std::size_t>(Doubt::kParametersMoved) + 1;
+}
+static_assert(isInOrder());
 
 const Rule& ruleOf(Doubt::Kind kind) noexcept {
   return kRules[static_cast<std::size_t>(kind)];
@@ -91,6 +98,9 @@ void settle(Diagnosis& diagnosis) {
         diagnosis.explanation += " " + doubt.words;
       }
     }
+  }
+  for (const std::string& remark : diagnosis.remarks) {
+    diagnosis.explanation += " " + remark;
   }
 }
 

@@ -1,0 +1,45 @@
+#include "tools/diagnose/fit/passive_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace patella::diagnose {
+
+PassiveScale::PassiveScale(const Dataset& data, const Eigen::MatrixXd& regressor, const Eigen::VectorXd& base,
+                           const std::vector<bool>& driven)
+    : rows_(data.rows()) {
+  if (std::find(driven.begin(), driven.end(), true) == driven.end()) {
+    return;
+  }
+  for (std::size_t j = 0; j < driven.size(); ++j) {
+    const auto first = static_cast<Eigen::Index>(j) * rows_;
+    Joint joint{.squares = regressor.middleRows(first, rows_).colwise().squaredNorm().transpose()};
+    joint.nominal = joint.squares.dot(base.cwiseAbs2());
+    if (!driven[j] && joint.nominal > 0.0) {
+      joints_.emplace(static_cast<int>(j), std::move(joint));
+    }
+  }
+}
+
+double PassiveScale::factor(const Joint& joint, const Eigen::VectorXd& base) const {
+  return std::sqrt(joint.nominal / std::max(joint.squares.dot(base.cwiseAbs2()), 1e-12 * joint.nominal));
+}
+
+void PassiveScale::apply(const Eigen::VectorXd& base, Eigen::MatrixXd& columns) const {
+  for (const auto& [index, joint] : joints_) {
+    columns.middleRows(index * rows_, rows_) *= factor(joint, base);
+  }
+}
+
+void PassiveScale::addSlopes(const Eigen::VectorXd& base, const Eigen::MatrixXd& slopes,
+                             const Eigen::VectorXd& torque, Eigen::Ref<Eigen::MatrixXd> tangent) const {
+  for (const auto& [index, joint] : joints_) {
+    // The logarithm of the factor is that of the load, with the other sign.
+    const double square = std::max(joint.squares.dot(base.cwiseAbs2()), 1e-12 * joint.nominal);
+    const Eigen::VectorXd of_load = joint.squares.cwiseProduct(base) / square;
+    tangent.middleRows(index * rows_, rows_).noalias() -=
+        factor(joint, base) * torque.segment(index * rows_, rows_) * (of_load.transpose() * slopes);
+  }
+}
+
+}  // namespace patella::diagnose
