@@ -27,8 +27,8 @@ bool holds(std::span<const int> joints, int joint) {
   return std::find(joints.begin(), joints.end(), joint) != joints.end();
 }
 
-// Of a machine some of whose joints swing by themselves. Other masses of all links by one factor ask nothing
-// of those, and less of what is left there: on the only drive its gain would pay for any factor.
+// Whether only one joint of several is driven. The others move alike with all masses larger or smaller by one
+// factor, and the gain of the only drive makes up for any factor.
 bool isOnlyDrive(const Dataset& data, const model::ModelDescription& model) {
   const model::DynamicsModel bare = model::makeModel({.mechanism = model.mechanism, .effects = {}});
   const std::vector<bool> driven = drivenJoints(data, bare.mechanism());
