@@ -34,6 +34,8 @@ TEST_CASE("what noise explains is not structure") {
   CHECK(rest.structure_Nm() == doctest::Approx(0.3));
   CHECK(rest.exceeds(0.14));
   CHECK(!rest.exceeds(0.16));
+  // Little more than what sensors make is called noise, however small the torque is.
+  CHECK(!JointRest{.torque_Nm = 0.1, .left_Nm = 0.15, .noise_Nm = 0.1}.exceeds(0.16));
   CHECK(JointRest{.torque_Nm = 1.0, .left_Nm = 0.05, .noise_Nm = 0.1}.structure_Nm() == 0.0);
 }
 

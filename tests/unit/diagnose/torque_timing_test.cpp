@@ -6,6 +6,7 @@
 #include "tests/unit/diagnose/chain_recordings.hpp"
 #include "tests/unit/diagnose/swinging_arm.hpp"
 #include "tools/bench/diagnose/cases.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 
 using namespace patella;
 using namespace patella::bench;
@@ -64,6 +65,14 @@ TEST_CASE("a torque that acted since the sample before is told, too") {
     torque_Nm.pop_back();
   }
   CHECK(timingOf(before, drawn.nominal) == TorqueTiming::kBefore);
+
+  // It acts as the held one does whose samples are a row earlier.
+  before.torque_timing = TorqueTiming::kBefore;
+  const auto actingIn = [](const Recording& recording) {
+    return diagnose::Dataset(std::span(&recording, 1), {}).driveTorque();
+  };
+  const Eigen::VectorXd held_Nm = actingIn(drawn.run.recording);
+  CHECK((actingIn(before) - held_Nm).norm() < 1e-3 * held_Nm.norm());
 }
 
 TEST_CASE(

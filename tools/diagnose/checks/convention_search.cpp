@@ -161,20 +161,6 @@ bool isShift(const ReadAs& one) {
                  [](const Convention& part) { return part.kind == ConventionKind::kTorqueShift; });
 }
 
-// Dry friction that holds a joint answers its drive up to its level, as no model tells and as a wrong column
-// might: rows at which a joint sticks say nothing of conventions.
-std::vector<ReadAs> besideRest(Dataset data, const model::ModelDescription& model, std::vector<ReadAs> wrong,
-                               Reading& given) {
-  const std::vector<RestingJoint> sticking = stickingJoints(data, model, {}, {});
-  if (sticking.empty()) {
-    return wrong;
-  }
-  data.leaveOutRest(sticking);
-  Reader reader(std::move(data), model);
-  given = reader.asGiven();
-  return wrongConventions(reader, given, columnNames(model));
-}
-
 // Whether every size of a shift, from none to the farthest, explains as much.
 bool isAnyShift(const ReadAs& one, const Reading& given, double step_s) {
   const auto& [first_s, last_s] = one.convention.range;
@@ -284,12 +270,17 @@ std::vector<ReadAs> wrongConventions(Reader& reader, const Reading& given, const
 }
 
 void requireConventions(const Recording& recording, const model::ModelDescription& model) {
-  const Dataset data(std::span(&recording, 1), kCoarse);
+  const ColumnNames names = columnNames(model);
+  Dataset data(std::span(&recording, 1), kCoarse);
   Reader reader(data, model);
   Reading given = reader.asGiven();
-  std::vector<ReadAs> wrong = wrongConventions(reader, given, columnNames(model));
-  if (!wrong.empty()) {
-    wrong = besideRest(data, model, std::move(wrong), given);
+  std::vector<ReadAs> wrong = wrongConventions(reader, given, names);
+  // Dry friction that holds a joint answers its drive up to its level, as no model tells and as a wrong
+  // column might: rows at which a joint sticks say nothing of conventions.
+  if (!wrong.empty() && data.leaveOutRest(stickingJoints(data, model, {}, {}))) {
+    Reader moving(data, model);
+    given = moving.asGiven();
+    wrong = wrongConventions(moving, given, names);
   }
   addMounting(data, model, given, wrong);
   if (wrong.empty()) {

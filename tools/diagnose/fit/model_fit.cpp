@@ -115,21 +115,6 @@ class ModelFitter::Cost final : public ceres::CostFunction {
   Eigen::Index priors_;
 };
 
-namespace {
-
-// Whether gravity and inertia balance each other, up to what machines leave of their models. What the balance
-// is off by is then the model's error, which grows with the masses, and not a torque that tells them.
-bool swingsFreely(const Dataset& data, const Eigen::MatrixXd& regressor, const model::BaseParameters& base) {
-  const Column torque = regressor * base;
-  double squares = 0.0;
-  for (const double term_Nm : loads_Nm(data, Column::Zero(torque.size()), regressor, base)) {
-    squares += term_Nm * term_Nm * static_cast<double>(data.rows());
-  }
-  return torque.squaredNorm() < std::pow(convention::kAsMachines, 2) * squares;
-}
-
-}  // namespace
-
 ModelFitter::ModelFitter(const Dataset& data, const model::ModelDescription& nominal,
                          const FitOptions& options)
     : data_(&data),

@@ -21,8 +21,13 @@ PassiveScale::PassiveScale(const Dataset& data, const Eigen::MatrixXd& regressor
   }
 }
 
-double PassiveScale::factor(const Joint& joint, const Eigen::VectorXd& base) const {
-  return std::sqrt(joint.nominal / std::max(joint.squares.dot(base.cwiseAbs2()), 1e-12 * joint.nominal));
+// Of the load; never zero.
+double PassiveScale::squareOf(const Joint& joint, const Eigen::VectorXd& base) {
+  return std::max(joint.squares.dot(base.cwiseAbs2()), 1e-12 * joint.nominal);
+}
+
+double PassiveScale::factor(const Joint& joint, const Eigen::VectorXd& base) {
+  return std::sqrt(joint.nominal / squareOf(joint, base));
 }
 
 void PassiveScale::apply(const Eigen::VectorXd& base, Eigen::MatrixXd& columns) const {
@@ -35,8 +40,7 @@ void PassiveScale::addSlopes(const Eigen::VectorXd& base, const Eigen::MatrixXd&
                              const Eigen::VectorXd& torque, Eigen::Ref<Eigen::MatrixXd> tangent) const {
   for (const auto& [index, joint] : joints_) {
     // The logarithm of the factor is that of the load, with the other sign.
-    const double square = std::max(joint.squares.dot(base.cwiseAbs2()), 1e-12 * joint.nominal);
-    const Eigen::VectorXd of_load = joint.squares.cwiseProduct(base) / square;
+    const Eigen::VectorXd of_load = joint.squares.cwiseProduct(base) / squareOf(joint, base);
     tangent.middleRows(index * rows_, rows_).noalias() -=
         factor(joint, base) * torque.segment(index * rows_, rows_) * (of_load.transpose() * slopes);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -34,7 +35,8 @@ class PassiveScale {
     Eigen::VectorXd squares;  ///< of the joint's part of each column of the regressor
     double nominal = 0.0;     ///< square of the load
   };
-  double factor(const Joint& joint, const Eigen::VectorXd& base) const;
+  static double squareOf(const Joint& joint, const Eigen::VectorXd& base);
+  static double factor(const Joint& joint, const Eigen::VectorXd& base);
 
   Eigen::Index rows_ = 0;
   std::map<int, Joint> joints_;

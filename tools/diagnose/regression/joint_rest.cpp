@@ -43,6 +43,15 @@ std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mech
   return driven;
 }
 
+bool swingsFreely(const Dataset& data, const Eigen::MatrixXd& regressor, const model::BaseParameters& base) {
+  const Column torque = regressor * base;
+  double squares = 0.0;
+  for (const double term_Nm : loads_Nm(data, Column::Zero(torque.size()), regressor, base)) {
+    squares += term_Nm * term_Nm * static_cast<double>(data.rows());
+  }
+  return torque.squaredNorm() < std::pow(convention::kAsMachines, 2) * squares;
+}
+
 std::vector<JointRest> jointRests(const Dataset& data, const model::Mechanism& mechanism, const Column& left,
                                   std::span<const double> noise_Nm) {
   const std::vector<double> loads = loads_Nm(data, mechanism), torque_Nm = jointRms(data, data.driveTorque()),

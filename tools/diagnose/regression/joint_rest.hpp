@@ -16,7 +16,8 @@ struct JointRest {
   double noise_Nm = 0.0;   ///< what sensors and declared pushes make
   bool driven = true;      ///< its torque is more than a sensor's zero beside the load
   double structure_Nm() const noexcept;  ///< what is left beyond noise
-  /// More than this share of the torque is left beyond noise.
+  /// More than this share of the torque is left beyond noise, and more than may be called noise
+  /// (unknown::kLikeNoise).
   bool exceeds(double share) const noexcept;
 };
 
@@ -26,6 +27,11 @@ std::vector<double> loads_Nm(const Dataset& data, const model::Mechanism& mechan
 /// The same, where the mechanism's regressor is known already. `torque`: of the drives.
 std::vector<double> loads_Nm(const Dataset& data, const Column& torque, const Eigen::MatrixXd& regressor,
                              const model::BaseParameters& base);
+
+/// Whether gravity and inertia balance each other, up to what machines leave of their models. What the
+/// balance is off by is then the model's error, which grows with the masses, and not a torque that tells
+/// them. `regressor` and `base`: of the nominal mechanism.
+bool swingsFreely(const Dataset& data, const Eigen::MatrixXd& regressor, const model::BaseParameters& base);
 
 /// Joint by joint: whether its torque is more than a sensor's zero beside the load.
 std::vector<bool> drivenJoints(const Dataset& data, const model::Mechanism& mechanism);

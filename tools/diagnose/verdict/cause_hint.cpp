@@ -76,8 +76,7 @@ std::string spanning(const Dataset& data, const Column& residual, int joint) {
         most = share;
         words = fmt::format(
             "{1:.0f} % of what joint {0} lacks goes in proportion with {2}{0} and {2}{3}: something spans "
-            "these "
-            "joints.",
+            "these joints.",
             joint + 1, kPercent * share, stem, other + 1);
       }
     }
