@@ -6,9 +6,9 @@ namespace {
 // Planetary gears 1 to 10 mrad, worn ones and cuffs more.
 constexpr std::array kParameters{
     EffectParameter{"gap_rad", "play from contact to contact", 0.0, 0.5, 0.01},
-    EffectParameter{"stiffness_Nm_rad", "torque per compression of the contact", 1.0, 1e8, 2000.0, false},
+    EffectParameter{"stiffness_Nm_rad", "torque per compression of the contact", 0.01, 1e8, 2000.0, false},
     EffectParameter{"damping_Nms_rad", "torque per rate of compression", 0.0, 1e5, 2.0, false},
-    EffectParameter{"rotor_inertia_kg_m2", "of the motor, reflected at the joint", 1e-5, 100.0, 0.01, false}};
+    EffectParameter{"rotor_inertia_kg_m2", "of the motor, reflected at the joint", 1e-7, 100.0, 0.01, false}};
 
 }  // namespace
 

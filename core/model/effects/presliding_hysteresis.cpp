@@ -9,7 +9,8 @@ namespace {
 // linear axes (N, N/m).
 constexpr std::array kParameters{
     EffectParameter{"level_Nm", "torque that opposes sliding", 0.0, 200.0, 0.1},
-    EffectParameter{"stiffness_Nm_rad", "torque per displacement after a reversal at rest", 0.1, 1e7, 20.0}};
+    EffectParameter{"stiffness_Nm_rad", "torque per displacement after a reversal at rest", 0.001, 1e7,
+                    20.0}};
 
 }  // namespace
 

@@ -3,10 +3,11 @@
 namespace patella::model {
 namespace {
 
-// Harmonic drives at a knee 5000 to 50000 N·m/rad, series elastic actuators 100 to 500.
+// Harmonic drives at a knee 5000 to 50000 N·m/rad, series elastic actuators 100 to 500, a laboratory's
+// flexible joints 1. The lightest rotors have 1e-7 kg·m².
 constexpr std::array kParameters{
-    EffectParameter{"stiffness_Nm_rad", "torque per twist", 1.0, 1e6, 500.0},
-    EffectParameter{"rotor_inertia_kg_m2", "of the motor, reflected at the joint", 1e-5, 100.0, 0.02},
+    EffectParameter{"stiffness_Nm_rad", "torque per twist", 0.01, 1e6, 500.0},
+    EffectParameter{"rotor_inertia_kg_m2", "of the motor, reflected at the joint", 1e-7, 100.0, 0.02},
     EffectParameter{"damping_Nms_rad", "torque per rate of twist", 0.0, 1000.0, 0.2}};
 
 }  // namespace

@@ -39,8 +39,10 @@ TEST_CASE("what noise explains is not structure") {
   CHECK(JointRest{.torque_Nm = 1.0, .left_Nm = 0.05, .noise_Nm = 0.1}.structure_Nm() == 0.0);
 }
 
-TEST_CASE("what is left speaks against every answer where nothing is asserted on its joint") {
-  const auto kindsOf = [](double left_Nm, double before_Nm, int joint) {
+TEST_CASE(
+    "what is left speaks against every answer that explains less, and where nothing is asserted on its "
+    "joint") {
+  const auto kindsOf = [](double left_Nm, std::array<double, 2> before_Nm, int joint) {
     const std::array rests{JointRest{.torque_Nm = 5.0, .left_Nm = 0.1, .noise_Nm = 0.05},
                            JointRest{.torque_Nm = 5.0, .left_Nm = left_Nm, .noise_Nm = 0.05}};
     Diagnosis diagnosis;
@@ -50,19 +52,24 @@ TEST_CASE("what is left speaks against every answer where nothing is asserted on
                                  .indistinguishable_from = {},
                                  .replaces = {},
                                  .separating_motion = {}});
-    judgeRest(rests, std::array{before_Nm, left_Nm}, false, diagnosis);
+    judgeRest(rests, before_Nm, false, diagnosis);
     std::vector<Doubt::Kind> kinds;
     for (const Doubt& doubt : diagnosis.doubts) {
       kinds.push_back(doubt.kind);
     }
     return kinds;
   };
-  constexpr double kMuch_Nm = 2.0, kSome_Nm = 0.5, kTrifle_Nm = 0.2;
-  CHECK(kindsOf(kMuch_Nm, kMuch_Nm, 0) == std::vector{Doubt::kJointUnexplained, Doubt::kLargeRest});
-  CHECK(kindsOf(kMuch_Nm, kMuch_Nm, 1) == std::vector{Doubt::kLargeRest});
-  // Less than what was found, and more.
-  CHECK(kindsOf(kSome_Nm, kMuch_Nm, 0) == std::vector{Doubt::kSomeRest});
-  CHECK(kindsOf(kSome_Nm, kTrifle_Nm, 0) == std::vector{Doubt::kJointUnexplained, Doubt::kSomeRest});
+  constexpr double kMuch_Nm = 2.0, kSome_Nm = 0.5, kTrifle_Nm = 0.2, kMost_Nm = 3.0;
+  CHECK(kindsOf(kMuch_Nm, {kMuch_Nm, kMuch_Nm}, 0) ==
+        std::vector{Doubt::kJointUnexplained, Doubt::kLargeRest});
+  // Less than what was found on the other joint, and more.
+  CHECK(kindsOf(kSome_Nm, {kMuch_Nm, kSome_Nm}, 0) == std::vector{Doubt::kSomeRest});
+  CHECK(kindsOf(kSome_Nm, {kTrifle_Nm, kSome_Nm}, 0) ==
+        std::vector{Doubt::kJointUnexplained, Doubt::kSomeRest});
+  // On the same joint: most of what was missing, and a trifle.
+  CHECK(kindsOf(kMuch_Nm, {0.1, kMost_Nm}, 1) == std::vector{Doubt::kLargeRest});
+  CHECK(kindsOf(kSome_Nm, {0.1, kSome_Nm + kTrifle_Nm * kTrifle_Nm}, 1) ==
+        std::vector{Doubt::kJointUnexplained, Doubt::kSomeRest});
 }
 
 TEST_CASE("a joint without a drive is measured against its load") {

@@ -29,6 +29,8 @@ struct NonlinearParameter {
   bool closed_below = false;  ///< an effect at the lower bound is another than its name says
   bool open_above = false;    ///< one at the upper bound is not: beyond it all look alike
   double spread = 0.0;        ///< standard deviation about zero that is known beforehand; 0: nothing is
+  /// Standard deviation that comes of what the recipe assumes of nature, however little noise there is.
+  double assumption = 0.0;
 };
 
 /// torque(c, ν) = Σ c_i basis_i(ν); an effect without coefficients has one basis that counts once.

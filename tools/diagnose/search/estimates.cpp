@@ -97,7 +97,8 @@ Eigen::MatrixXd withBumps(Eigen::MatrixXd covariance, const ModelFit& fit) {
     const Term& term = fit.terms[t];
     for (std::size_t k = 0; k < term.nu.size(); ++k) {
       const Eigen::Index place = fit.offset[t] + static_cast<Eigen::Index>(term.c.size() + k);
-      covariance(place, place) += std::pow(term.recipe->nonlinear[k].step, 2);
+      const NonlinearParameter& parameter = term.recipe->nonlinear[k];
+      covariance(place, place) += std::pow(parameter.step, 2) + std::pow(parameter.assumption, 2);
     }
   }
   return covariance;

@@ -64,20 +64,25 @@ void judgeRest(std::span<const JointRest> rests, std::span<const double> before_
       return effect.asserted() && effect.joint == static_cast<int>(joint);
     });
   };
-  double found_share = 0.0;  // of its torque, on the joint where what was found explains most
+  std::vector<double> found_share(rests.size());  // what was found explains so much of a joint's torque
   for (std::size_t joint = 0; joint < rests.size(); ++joint) {
     if (hasFinding(joint) && before_Nm[joint] > rests[joint].left_Nm) {
-      found_share =
-          std::max(found_share, std::sqrt(std::pow(before_Nm[joint], 2) - std::pow(rests[joint].left_Nm, 2)) /
-                                    rests[joint].torque_Nm);
+      found_share[joint] = std::sqrt(std::pow(before_Nm[joint], 2) - std::pow(rests[joint].left_Nm, 2)) /
+                           rests[joint].torque_Nm;
     }
   }
-  // A spring may stand for a column that is dead. And a trifle that was found on one joint is not the answer
-  // where more is missing on another.
-  const auto bare = worstOf(rests, [&](std::size_t joint) { return mayBeDead(joint) || !hasFinding(joint); });
-  if (bare && (rests[*bare].exceeds(unknown::kMaterialRest) ||
-               (found_share > 0.0 && rests[*bare].exceeds(std::max(unknown::kRestOfNothing, found_share))))) {
-    doubt(Doubt::kJointUnexplained, *bare);
+  const double most_found = found_share.empty() ? 0.0 : std::ranges::max(found_share);
+  // A spring may stand for a column that is dead. And a trifle that was found is not the answer where more is
+  // missing, on another joint or beside it.
+  const auto isUnexplained = [&](std::size_t joint) {
+    if (hasFinding(joint) && !mayBeDead(joint)) {
+      return rests[joint].exceeds(std::max(unknown::kRestOfNothing, found_share[joint]));
+    }
+    return rests[joint].exceeds(unknown::kMaterialRest) ||
+           (most_found > 0.0 && rests[joint].exceeds(std::max(unknown::kRestOfNothing, most_found)));
+  };
+  if (const auto unexplained = worstOf(rests, isUnexplained)) {
+    doubt(Doubt::kJointUnexplained, *unexplained);
   }
   const auto worst = worstOf(rests, [](std::size_t) { return true; });
   if (worst && rests[*worst].exceeds(unknown::kRestOfNothing)) {
