@@ -8,6 +8,7 @@
 
 #include <fftw3.h>
 
+#include "tools/diagnose/regression/fft_plan.hpp"
 #include "tools/diagnose/search/estimates.hpp"
 
 namespace patella::diagnose {
@@ -21,15 +22,12 @@ constexpr std::size_t kFewestRowsInBin = 8;
 class Transform {
  public:
   explicit Transform(std::size_t length)
-      : in_(fftw_alloc_real(length)),
-        out_(fftw_alloc_complex(length / 2 + 1)),
-        plan_(fftw_plan_dft_r2c_1d(static_cast<int>(length), in_.get(), out_.get(), FFTW_ESTIMATE)) {}
-  ~Transform() { fftw_destroy_plan(plan_); }
-  Transform(const Transform&) = delete;
-  Transform& operator=(const Transform&) = delete;
+      : in_(fftw_alloc_real(length)), out_(fftw_alloc_complex(length / 2 + 1)), plan_([&] {
+          return fftw_plan_dft_r2c_1d(static_cast<int>(length), in_.get(), out_.get(), FFTW_ESTIMATE);
+        }) {}
 
   double* input() noexcept { return in_.get(); }
-  void run() noexcept { fftw_execute(plan_); }
+  void run() noexcept { plan_.run(); }
   double squaredMagnitude(std::size_t bin) const noexcept {
     const fftw_complex& value = out_.get()[bin];
     return value[0] * value[0] + value[1] * value[1];
@@ -41,7 +39,7 @@ class Transform {
   };
   std::unique_ptr<double[], Free> in_;
   std::unique_ptr<fftw_complex[], Free> out_;
-  fftw_plan plan_;
+  FftPlan plan_;
 };
 
 double meanOf(std::span<const double> values) {

@@ -1,11 +1,9 @@
 // The cosine transform of a stretch of samples.
 #pragma once
 
-#include <memory>
-
 #include <Eigen/Core>
 
-struct fftw_plan_s;
+#include "tools/diagnose/regression/fft_plan.hpp"
 
 namespace patella::diagnose {
 
@@ -18,11 +16,8 @@ class CosineTransform {
   const Eigen::VectorXd& of(const Eigen::Ref<const Eigen::VectorXd>& stretch);
 
  private:
-  struct Destroy {
-    void operator()(fftw_plan_s* plan) const;
-  };
   Eigen::VectorXd values_;
-  std::unique_ptr<fftw_plan_s, Destroy> plan_;
+  FftPlan plan_;
 };
 
 }  // namespace patella::diagnose
