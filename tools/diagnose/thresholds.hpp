@@ -95,6 +95,8 @@ inline constexpr double kLargestAngle_rad = 12.566;
 /// Did the torque act at its sample, where the form of the file says that it was held?
 // A torque that was held acts half a period of the samples later, one that acted before its sample earlier.
 namespace torque_timing {
+/// Share of a torque's rms at which it counts as turned round, for play.
+inline constexpr double kTurned = 0.2;
 /// Standard deviation, in half periods, up to which a joint has a vote.
 inline constexpr double kTells = 0.45;
 /// Half periods between a joint's estimate and the nearest of three answers: held, which is none early,
@@ -302,6 +304,9 @@ inline constexpr double kCost = 1.05;
 /// Held-out error over noise floor: above, something else happens in the held-out part, unless both are as
 /// small shares of the torque.
 inline constexpr double kOutOfProportion = 2.5;
+/// Share of what the effects that were found take away there, up to which it may as well be that nature's
+/// effect is not quite the library's: dry friction leaves a tenth of itself where it is held.
+inline constexpr double kLittleOfFound = 0.2;
 }  // namespace held_out
 
 /// Do the recordings contradict each other?
@@ -370,6 +375,9 @@ inline constexpr double kMaterialRest = 0.2;
 /// missing" looks no further. A load that is grasped and released again and again leaves a tenth and no
 /// function that would be seen.
 inline constexpr double kRestOfNothing = 0.05;
+/// Share of what was found, above which what is left beyond it makes the answer unknown: of what is missing
+/// more than a fifth, in squares, has no name then and so may be the effect that was taken for another.
+inline constexpr double kShareOfFound = 0.5;
 /// Share of a joint's load (rms) from which on what has no name, or is only possible, makes an answer
 /// unknown. Gravity differs by as much between places. What is named by its physics needs less
 /// (accepted::kLeastOfLoad).

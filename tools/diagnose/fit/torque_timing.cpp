@@ -74,9 +74,26 @@ Column heldLessSampled(const Dataset& data, std::span<const Recording> recording
   return apart;
 }
 
+// What play in a joint's gear leaves where the torque changes sign, of unit size: the motor's acceleration as
+// it crosses the gap, and how that changes with the time of the crossing. Joint by joint, as rows.
+Eigen::MatrixXd crossings(const Dataset& data, const Column& torque) {
+  const Eigen::Index rows = data.rows();
+  Column side(torque.size());
+  for (Eigen::Index joint = 0; joint < data.joints(); ++joint) {
+    const auto own = torque.segment(joint * rows, rows);
+    const double turned_Nm =
+        std::max(torque_timing::kTurned * std::sqrt(own.squaredNorm() / static_cast<double>(rows)), 1e-300);
+    side.segment(joint * rows, rows) = (own / turned_Nm).array().tanh();
+  }
+  const Column crossing = rateOf(data, rateOf(data, side));
+  Eigen::MatrixXd both(torque.size(), 2);
+  both << crossing, rateOf(data, crossing);
+  return both;
+}
+
 // Half periods by which each joint's torque comes early, beside all that could be missing in its simplest
-// forms. How fast the torque changes is told by these and by the model: the noise of what was measured
-// changes faster, and goes with no motion.
+// forms, and beside play. How fast the torque changes is told by these and by the model: the noise of what
+// was measured changes faster, and goes with no motion.
 Estimates halfPeriods(const Dataset& as_held, std::span<const Recording> recordings,
                       const model::ModelDescription& model, const FitOptions& options) {
   ModelFitter fitter(as_held, model, options);
@@ -84,7 +101,7 @@ Estimates halfPeriods(const Dataset& as_held, std::span<const Recording> recordi
   const std::vector<ElementaryColumn> plain = elementaryColumns(as_held);
   const Eigen::Index known = fit.tangent.cols(), joints = as_held.joints(), rows = as_held.rows();
   const auto simple = static_cast<Eigen::Index>(plain.size());
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(fit.tangent.rows(), known + simple + joints);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(fit.tangent.rows(), known + simple + 3 * joints);
   columns.leftCols(known) = fit.tangent;
   for (Eigen::Index i = 0; i < simple; ++i) {
     columns.col(known + i) = plain[static_cast<std::size_t>(i)].torque;
@@ -96,10 +113,13 @@ Estimates halfPeriods(const Dataset& as_held, std::span<const Recording> recordi
                                       .completeOrthogonalDecomposition()
                                       .solve(fit.weighting->apply(fit.residual))
                                       .cwiseQuotient(length);
-  const Column apart =
-      heldLessSampled(as_held, recordings, as_held.driveTorque() - fit.residual + others * missing);
+  const Column torque = as_held.driveTorque() - fit.residual + others * missing;
+  const Column apart = heldLessSampled(as_held, recordings, torque);
+  const Eigen::MatrixXd play = crossings(as_held, torque);
   for (Eigen::Index joint = 0; joint < joints; ++joint) {
-    columns.col(known + simple + joint).segment(joint * rows, rows) = apart.segment(joint * rows, rows);
+    const auto own = Eigen::seqN(joint * rows, rows);
+    columns(own, Eigen::seqN(known + simple + 2 * joint, 2)) = play(own, Eigen::all);
+    columns(own, known + simple + 2 * joints + joint) = apart(own);
   }
   return lastCoefficients(fit.weighting->apply(columns), fit.weighting->apply(fit.residual), joints);
 }

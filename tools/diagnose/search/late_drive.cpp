@@ -61,7 +61,12 @@ std::vector<std::shared_ptr<const Recipe>> byWholeTorque(
 double leastLateness_s(std::span<const Recording> recordings) {
   const auto slowest = std::min_element(recordings.begin(), recordings.end(),
                                         [](const auto& a, const auto& b) { return a.rate_Hz < b.rate_Hz; });
-  return late_drive::kLeastPeriods / slowest->rate_Hz;
+  double periods = late_drive::kLeastPeriods;
+  if (slowest->torque_timing_assumed && slowest->torque_timing != TorqueTiming::kHeld) {
+    // The motion told that it was not held, which a drive that is late by that much contradicts.
+    periods += slowest->torque_timing == TorqueTiming::kSampled ? 0.5 : 1.0;
+  }
+  return periods / slowest->rate_Hz;
 }
 
 std::vector<LateDrive> findLateDrives(std::span<const Recording> recordings,

@@ -21,10 +21,11 @@ struct LateDrive {
 
 /// Why it is not asserted then.
 inline constexpr const char* kMayBeTimingWords =
-    "it is late by less than half a sample, and when in a sample a row was read is not known";
+    "it is late by no more than is open of when in a sample a row was read";
 
 /// Torque that is late by less may as well have been read so: when within a period the columns of a row were
-/// taken is hardly ever known.
+/// taken is hardly ever known. Half a period; more where the motion, and nobody who knows, told that a torque
+/// was not held.
 double leastLateness_s(std::span<const Recording> recordings);
 
 /// Delays and lags of the drives of `joints` that show beside what `explained` has, through every gate of a

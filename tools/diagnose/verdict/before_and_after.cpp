@@ -37,8 +37,9 @@ bool isWorse(const Diagnosis& result, const std::vector<double>& unit_Nm) {
 
 // Effects that do not hold on held-out data are not added. A hip's noise is several times a knee's,
 // so joints count in units of theirs. Where nothing was named to explain it, what a fit leaves may be no
-// noise: refitted parameters then have to hold in plain torque, too.
-void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) {
+// noise: refitted parameters then have to hold in plain torque, too. Returns the errors by which the held-out
+// part is to be compared with the fitted one: those of parameters that do not hold tell what they met there.
+ErrorMeasure keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) {
   // A finding that the model does not hold, such as a tremor whose phase wanders, has made nothing worse.
   const auto was_added = [&result](const EffectFinding& finding) {
     return std::any_of(result.extended.effects.begin(), result.extended.effects.end(),
@@ -49,8 +50,9 @@ void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) 
   const bool any_added = std::any_of(result.effects.begin(), result.effects.end(), was_added);
   const std::vector<double> plain(result.noise_floor_Nm.size(), 1.0);
   if (!isWorse(result, result.noise_floor_Nm) && (any_added || !isWorse(result, plain))) {
-    return;
+    return result.after;
   }
+  const ErrorMeasure told = any_added ? result.before : result.after;
   if (any_added) {
     std::erase_if(result.effects, was_added);
     result.doubts.push_back(
@@ -64,6 +66,7 @@ void keepOnlyWhatHolds(const model::ModelDescription& given, Diagnosis& result) 
   }
   result.extended = given;
   result.after = result.before;
+  return told;
 }
 
 // Joints share a mechanism: what helps them together may cost one of them.
@@ -99,13 +102,18 @@ bool isNextToNothing(const ErrorMeasure& error, std::size_t joint, double unseen
          unknown::kLeastOfLoad * torqueOf(error.heldout_rms_Nm[joint], error.heldout_relative[joint]);
 }
 
+// What was found is not quite nature's effect, and the rest of that shows where it is large.
+bool isLittleOfWhatWasFound(const Diagnosis& result, std::size_t joint, double unseen_Nm) {
+  return unseen_Nm < held_out::kLittleOfFound * result.refitted.heldout_rms_Nm[joint];
+}
+
 // An event of the held-out part alone has left no trace in the fitted one.
-void compareParts(Diagnosis& result) {
+void compareParts(const ErrorMeasure& error, Diagnosis& result) {
   for (std::size_t joint = 0; joint < result.noise_floor_Nm.size(); ++joint) {
-    const double fitted = std::max(result.noise_floor_Nm[joint], result.after.train_rms_Nm[joint]);
-    const double unseen = result.after.heldout_rms_Nm[joint];
+    const double fitted = std::max(result.noise_floor_Nm[joint], error.train_rms_Nm[joint]);
+    const double unseen = error.heldout_rms_Nm[joint];
     if (fitted > 0.0 && unseen > held_out::kOutOfProportion * fitted &&
-        !isNextToNothing(result.before, joint, unseen) &&
+        !isNextToNothing(result.before, joint, unseen) && !isLittleOfWhatWasFound(result, joint, unseen) &&
         !growsWithTorque(result.before, joint, fitted, unseen)) {
       result.unexplained.push_back({.joint = static_cast<int>(joint),
                                     .variable = "time",
@@ -131,9 +139,9 @@ void judgeByErrors(const BeforeAndAfter& models, Diagnosis& result) {
     result.noise_floor_Nm.push_back(jointRms(models.train, models.unexplained, joint));
   }
   if (models.heldout) {
-    keepOnlyWhatHolds(models.given, result);
+    const ErrorMeasure told = keepOnlyWhatHolds(models.given, result);
     tellWhichJointPays(result);
-    compareParts(result);
+    compareParts(told, result);
   }
   addCurves(models.train, models.heldout, models.given, result);
 }

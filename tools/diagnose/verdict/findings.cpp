@@ -44,13 +44,17 @@ void addConfounds(EffectFinding& finding, int joints) {
     const bool rubbed = std::find(before.begin(), before.end(), "coulomb_friction") != before.end();
     finding.indistinguishable_from.emplace_back(rubbed ? "torque_bias" : "coulomb_friction+torque_bias");
   }
-  // A contact too stiff to show, or whose stiffness the recording does not tell.
-  if (finding.kind == "presliding_hysteresis" &&
-      std::any_of(finding.parameters.begin(), finding.parameters.end(),
-                  [](const ParameterEstimate& estimate) {
-                    return estimate.at_bound ||
-                           (estimate.name == "stiffness_Nm_rad" && estimate.ci95[0] <= 0.0);
-                  }) &&
+  // A contact too stiff to show, or whose stiffness the recording does not tell; a peak that may be none.
+  const auto may_be_nothing = [&](std::string_view name) {
+    return std::any_of(finding.parameters.begin(), finding.parameters.end(),
+                       [name](const ParameterEstimate& estimate) {
+                         return estimate.name == name && estimate.ci95[0] <= 0.0;
+                       });
+  };
+  const bool at_bound = std::any_of(finding.parameters.begin(), finding.parameters.end(),
+                                    [](const ParameterEstimate& estimate) { return estimate.at_bound; });
+  if (((finding.kind == "presliding_hysteresis" && (at_bound || may_be_nothing("stiffness_Nm_rad"))) ||
+       (finding.kind == "stribeck_friction" && may_be_nothing("stribeck_level_Nm"))) &&
       std::find(known.begin(), known.end(), "coulomb_friction") == known.end()) {
     finding.indistinguishable_from.emplace_back("coulomb_friction");
   }

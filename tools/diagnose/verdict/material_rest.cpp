@@ -76,10 +76,12 @@ void judgeRest(std::span<const JointRest> rests, std::span<const double> before_
   // missing, on another joint or beside it.
   const auto isUnexplained = [&](std::size_t joint) {
     if (hasFinding(joint) && !mayBeDead(joint)) {
-      return rests[joint].exceeds(std::max(unknown::kRestOfNothing, found_share[joint]));
+      return rests[joint].exceeds(
+          std::max(unknown::kRestOfNothing, unknown::kShareOfFound * found_share[joint]));
     }
     return rests[joint].exceeds(unknown::kMaterialRest) ||
-           (most_found > 0.0 && rests[joint].exceeds(std::max(unknown::kRestOfNothing, most_found)));
+           (most_found > 0.0 &&
+            rests[joint].exceeds(std::max(unknown::kRestOfNothing, unknown::kShareOfFound * most_found)));
   };
   if (const auto unexplained = worstOf(rests, isUnexplained)) {
     doubt(Doubt::kJointUnexplained, *unexplained);
