@@ -95,8 +95,7 @@ Recipe transmissionElasticity(const Motion& motion) {
   recipe.nonlinear = {{.lower = 4.0, .upper = 200.0, .step = 0.5},
                       {.lower = -4.5 * spread, .upper = 1.8 * spread, .step = 0.05, .spread = spread},
                       {.lower = -2.0 * spread, .upper = 2.0 * spread, .step = 0.1, .spread = spread}};
-  recipe.grid =
-      product({{10.0, 12.5, 15.5, 19.5, 24.5, 30.5, 38.0, 48.0, 65.0, 100.0}, {-1.0, 0.0, 0.8}, {0.0, 1.0}});
+  recipe.grid = product({{10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 100.0}, {-1.0, 0.5}, {0.0, 1.0}});
   recipe.parameters = [=](Numbers, Numbers nu) -> std::vector<double> {
     const double rotor = usual * std::exp(nu[1]);
     return Parameters("transmission_elasticity")
