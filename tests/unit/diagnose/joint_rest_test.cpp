@@ -59,10 +59,10 @@ TEST_CASE(
     }
     return kinds;
   };
-  constexpr double kMuch_Nm = 2.0, kSome_Nm = 0.5, kTrifle_Nm = 0.2, kMost_Nm = 3.0;
+  constexpr double kMuch_Nm = 2.0, kSome_Nm = 0.5, kTrifle_Nm = 0.2, kMost_Nm = 5.0;
   CHECK(kindsOf(kMuch_Nm, {kMuch_Nm, kMuch_Nm}, 0) ==
         std::vector{Doubt::kJointUnexplained, Doubt::kLargeRest});
-  // Less than what was found on the other joint, and more.
+  // Less than half of what was found on the other joint, and more.
   CHECK(kindsOf(kSome_Nm, {kMuch_Nm, kSome_Nm}, 0) == std::vector{Doubt::kSomeRest});
   CHECK(kindsOf(kSome_Nm, {kTrifle_Nm, kSome_Nm}, 0) ==
         std::vector{Doubt::kJointUnexplained, Doubt::kSomeRest});

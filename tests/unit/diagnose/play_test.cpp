@@ -1,11 +1,13 @@
 // Play in a gear whose contacts are not those that the library assumes.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "tests/support/swinging_joint.hpp"
 #include "tools/diagnose/diagnose.hpp"
+#include "tools/diagnose/fit/torque_timing.hpp"
 
 namespace patella::diagnose {
 namespace {
@@ -69,6 +71,13 @@ Recording driven(const Gear& gear, double duration_s) {
   return recording;
 }
 
+/// pendulum() with the gear's rotor in its inertia.
+model::ModelDescription rigid(const Gear& gear) {
+  model::ModelDescription model = pendulum();
+  std::get<model::RevoluteJointParameters>(model.mechanism).inertia_kg_m2 += gear.rotor_inertia_kg_m2;
+  return model;
+}
+
 }  // namespace
 
 TEST_CASE("play is found whatever its contacts are like, with the gap and the rotor in their intervals") {
@@ -76,9 +85,7 @@ TEST_CASE("play is found whatever its contacts are like, with the gap and the ro
     CAPTURE(contact_rad_s);
     const Gear gear{.contact_rad_s = contact_rad_s, .damping_ratio = damping_ratio};
     const Recording recording = driven(gear, 40.0);
-    model::ModelDescription rigid = pendulum();
-    std::get<model::RevoluteJointParameters>(rigid.mechanism).inertia_kg_m2 += gear.rotor_inertia_kg_m2;
-    const Diagnosis diagnosis = diagnose(std::span(&recording, 1), {}, rigid, {});
+    const Diagnosis diagnosis = diagnose(std::span(&recording, 1), {}, rigid(gear), {});
     CHECK(diagnosis.verdict == Verdict::kEffectFound);
     REQUIRE(diagnosis.effects.size() == 1);
     const EffectFinding& found = diagnosis.effects.front();
@@ -91,6 +98,18 @@ TEST_CASE("play is found whatever its contacts are like, with the gap and the ro
       CHECK(estimate.ci95[1] > truth);
     }
     CHECK(diagnosis.after.heldout_rms_Nm[0] < 0.6 * diagnosis.refitted.heldout_rms_Nm[0]);
+  }
+}
+
+TEST_CASE("play does not tell that a torque acted before its sample, nor that its drive is late") {
+  const Gear gear{.contact_rad_s = 400.0, .damping_ratio = 0.3};
+  Recording recording = driven(gear, 40.0);
+  recording.torque_timing_assumed = true;
+  const std::vector<Recording> timed =
+      withTorqueTiming(std::span(&recording, 1), rigid(gear), DiagnoseOptions{}.fit());
+  CHECK(timed.front().torque_timing != TorqueTiming::kBefore);
+  for (const EffectFinding& effect : diagnose(std::span(&recording, 1), {}, rigid(gear), {}).effects) {
+    CHECK((effect.kind == "backlash" || !effect.asserted()));
   }
 }
 
