@@ -21,7 +21,7 @@ struct LateDrive {
 
 /// Why it is not asserted then.
 inline constexpr const char* kMayBeTimingWords =
-    "it is late by no more than is open of when in a sample a row was read";
+    "so short a delay may come of when, within a sample, a row was read";
 
 /// Torque that is late by less may as well have been read so: when within a period the columns of a row were
 /// taken is hardly ever known. Half a period; more where the motion, and nobody who knows, told that a torque
