@@ -48,6 +48,8 @@ TEST_CASE("a plan reveals what the best sine shows least, and keeps the limits")
   const Machine machine = drawMachine(1000);
   const Comparison comparison = compare(machine, {.duration_s = 12.0, .evaluations = 300});
   CHECK(comparison.factor() > 2.0);
+  CHECK(comparison.possible() > comparison.factor());
+  CHECK(comparison.possible() < 3.0 * comparison.factor());
   CHECK(comparison.taken.broken() == 0);
   CHECK(comparison.effect.ends_with("@1"));
 }

@@ -37,6 +37,19 @@ Revealed revealedOf(const std::string& effect, const SampledMotion& motion, doub
   return all.front();
 }
 
+double headroomOf(const std::string& effect, const SampledMotion& motion) {
+  const PlanRequest request = test::kneeRequest();
+  const MotionLimits limits = usableLimits(request.limits, 1);
+  Information information(request.model,
+                          plannedEffects(std::vector<std::string>{effect}, request.model, limits, 12.0),
+                          {.noise = request.noise, .parameters = false});
+  return information.headroom(motion, limits);
+}
+
+double rms(const Eigen::MatrixXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
 }  // namespace
 
 TEST_CASE("the smallest viscous friction is that of its information beside the model") {
@@ -68,6 +81,37 @@ TEST_CASE("what nothing explains has to be outweighed") {
 TEST_CASE("a rotor on one joint shows beyond the tolerance of its inertia only") {
   // What is asked of it is more than the tolerance, which any motion leaves.
   CHECK(revealedOf("rotor_inertia", swing(0.5), 1e-4).smallest_size > 0.1 * 0.35);
+}
+
+TEST_CASE("no motion tells more of viscous friction than one at the highest speed") {
+  const SampledMotion motion = swing(0.5);
+  const double highest_rad_s = 0.75 * 4.0;
+  CHECK(headroomOf("viscous_friction", motion) ==
+        doctest::Approx(highest_rad_s / rms(motion.dq)).epsilon(0.03));
+}
+
+TEST_CASE("the bound does not depend on the motion that it is compared with") {
+  for (const char* effect : {"linear_stiffness", "coulomb_friction", "torque_bias"}) {
+    CAPTURE(effect);
+    const SampledMotion little = swing(0.2), much = swing(0.6);
+    const double smaller =
+        revealedOf(effect, little, 0.1).smallest_size / revealedOf(effect, much, 0.1).smallest_size;
+    CHECK(headroomOf(effect, much) > 1.0);
+    CHECK(headroomOf(effect, little) == doctest::Approx(smaller * headroomOf(effect, much)).epsilon(0.03));
+  }
+}
+
+TEST_CASE("no motion tells more of a rotor than the tolerance of the inertia leaves") {
+  const double threshold = 10.0 + std::log(12.0 * 12.0);
+  const double left_kg_m2 = 0.1 * 0.35 * (std::sqrt(threshold) + 0.84);
+  CHECK(revealedOf("rotor_inertia", swing(0.5), 0.1).smallest_size /
+            headroomOf("rotor_inertia", swing(0.5)) ==
+        doctest::Approx(left_kg_m2).epsilon(0.03));
+}
+
+TEST_CASE("there is no bound for what depends on the past") {
+  CHECK(std::isnan(headroomOf("actuator_lag", swing(0.5))));
+  CHECK(std::isnan(headroomOf("presliding_hysteresis", swing(0.5))));
 }
 
 TEST_CASE("effects are named by kind and joint") {

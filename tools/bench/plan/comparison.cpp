@@ -97,6 +97,7 @@ Comparison compare(const Machine& machine, const CompareOptions& options) {
   const Revealed& planned = plan.revealed.front();
   comparison.effect = request.effects.front();
   comparison.sine = sizeOf(least);
+  comparison.headroom = plan.headroom.front();
   comparison.planned = sizeOf(planned);
   std::vector<model::EffectDescription> hidden;
   if (!planned.parameters.empty()) {

@@ -58,14 +58,17 @@ Json describedAll(const std::vector<Revealed>& all) {
   return out;
 }
 
-void printSizes(const std::vector<Revealed>& all, const model::MechanismDescription& mechanism,
-                std::ostream& out) {
-  for (const Revealed& revealed : all) {
-    out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", effectWords(revealed.kind), revealed.joint + 1,
+// `headroom` of the first of them; the others have none.
+void printSizes(const std::vector<Revealed>& all, std::span<const double> headroom,
+                const model::MechanismDescription& mechanism, std::ostream& out) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Revealed& revealed = all[i];
+    const bool shows = std::isfinite(revealed.share_of_torque);
+    const bool known = shows && i < headroom.size() && std::isfinite(headroom[i]);
+    out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}{:>8}\n", effectWords(revealed.kind), revealed.joint + 1,
                        sizeWords(revealed, unitsOf(mechanism, revealed.joint)),
-                       std::isfinite(revealed.share_of_torque)
-                           ? shortNumber(kPercent * revealed.share_of_torque) + " %"
-                           : "–");
+                       shows ? shortNumber(kPercent * revealed.share_of_torque) + " %" : "–",
+                       known ? fmt::format("{:.2f}", headroom[i]) : "");
   }
 }
 
@@ -144,6 +147,10 @@ std::string planJson(const MotionPlan& plan, const PlanRequest& request, const P
                           {"torque", plan.motion.use.torque},
                           {"reach", plan.motion.use.reach}};
   out["revealed"] = describedAll(plan.revealed);
+  for (std::size_t i = 0; i < plan.revealed.size(); ++i) {
+    // A number that is none becomes null.
+    out["revealed"][i]["any_motion_smaller_by_at_most"] = plan.headroom[i];
+  }
   out["also_revealed"] = describedAll(plan.others);
   out["inputs"] = Json::array();
   for (const InputFile& input : origin.inputs) {
@@ -174,11 +181,14 @@ void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::fi
   out << words.motion << "\n  it takes " << words.use
       << " that a plan may take\n  four in five recordings of it would reveal, against noise of "
       << words.noise << ":\n";
-  out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}\n", "effect", "joint", "from", "of torque");
-  printSizes(plan.revealed, request.model.mechanism, out);
+  out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}{:>8}\n", "effect", "joint", "from", "of torque", "limit");
+  printSizes(plan.revealed, plan.headroom, request.model.mechanism, out);
   if (!plan.others.empty()) {
     out << (plan.revealed.empty() ? "" : "  and, without having been asked for:\n");
-    printSizes(plan.others, request.model.mechanism, out);
+    printSizes(plan.others, {}, request.model.mechanism, out);
+  }
+  if (!plan.revealed.empty()) {
+    out << "  limit: no motion of this duration, within these limits, shows sizes smaller by more than this factor\n";
   }
   out << "  files in " << folder.string() << ": reference.toml, plan.json, plan.html\n";
 }

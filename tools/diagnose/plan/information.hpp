@@ -4,13 +4,13 @@
 // β: base parameters; γ: declared effects; s: sizes of the effects that are planned for.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "core/model/model_description.hpp"
+#include "tools/diagnose/plan/motion_columns.hpp"
 #include "tools/diagnose/plan/motion_family.hpp"
 #include "tools/diagnose/plan/planned_effects.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
@@ -40,7 +40,7 @@ class Information {
   Information(const model::ModelDescription& model, std::vector<PlannedEffect> effects,
               const InformationOptions& options);
 
-  std::span<const PlannedEffect> effects() const noexcept { return effects_; }
+  std::span<const PlannedEffect> effects() const noexcept { return columns_.effects(); }
 
   /// Logarithm of the determinant of the information on what is asked for: its Schur complement in the whole
   /// matrix, so that what stands in the way is taken for unknown. Known beforehand are parameters within
@@ -51,27 +51,20 @@ class Information {
   /// itself beside the nominal parameters (smallestTorque_Nm of verdict/power.hpp).
   std::vector<Revealed> revealed(const SampledMotion& motion);
 
+  /// How many times smaller sizes of the first effect the best motion of this duration within the limits
+  /// could reveal, at most; not a number for an effect with a memory.
+  double headroom(const SampledMotion& motion, const MotionLimits& limits);
+
  private:
   struct Parts;
   Parts partsOf(const SampledMotion& motion);
-  Eigen::MatrixXd columnsOf(const SampledMotion& motion);
+  /// Columns that stand in the way of one effect's size: those of the model, and its companions.
+  std::vector<Eigen::Index> beside(std::size_t effect) const;
+  /// Information on one effect's size beside those.
+  double left(const Eigen::MatrixXd& gram, std::size_t effect) const;
 
-  model::ModelDescription model_;
-  model::DynamicsModel bare_;
-  TorqueAlong torque_;
-  std::vector<PlannedEffect> effects_;
   InformationOptions options_;
-  /// One for each basis term of an effect, planned or declared; made once, since makeEffect allocates.
-  struct Source {
-    std::unique_ptr<model::Effect> effect;
-    double weight = 1.0;
-    Eigen::Index column = 0;
-  };
-  std::vector<Source> sources_;
-  Eigen::Index columns_ = 0;              ///< base parameters, declared effects, then those planned for
-  std::vector<Eigen::Index> main_;        ///< column of each planned effect's size
-  std::vector<Eigen::Index> companions_;  ///< of each planned effect, columns that follow its main one
-  Eigen::VectorXd prior_;                 ///< 1 / variance that is known beforehand
+  MotionColumns columns_;
 };
 
 }  // namespace patella::diagnose

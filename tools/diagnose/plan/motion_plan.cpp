@@ -31,8 +31,8 @@ MotionPlan makePlan(const PlanRequest& request) {
   const MotionLimits limits = usableLimits(request.limits, joints);
   MotionPlan plan;
   plan.parameters = asksFor(request.effects, "all") || asksFor(request.effects, "none");
-  Information information(request.model, effectsOf(request, limits),
-                          informationOptions(request, plan.parameters));
+  const std::vector<PlannedEffect> effects = effectsOf(request, limits);
+  Information information(request.model, effects, informationOptions(request, plan.parameters));
   MotionFamily family(request.timing, harmonicsOf(request.timing, joints), limits, request.reach,
                       request.start_rad, request.model);
   TorqueAlong torque(request.model);
@@ -42,6 +42,13 @@ MotionPlan makePlan(const PlanRequest& request) {
   std::sort(plan.revealed.begin(), plan.revealed.end(), [](const Revealed& a, const Revealed& b) {
     return std::tie(b.share_of_torque, a.kind, a.joint) < std::tie(a.share_of_torque, b.kind, b.joint);
   });
+  for (const Revealed& revealed : plan.revealed) {
+    const auto effect = std::find_if(effects.begin(), effects.end(), [&](const PlannedEffect& one) {
+      return one.recipe->kind == revealed.kind && one.recipe->joint == revealed.joint;
+    });
+    plan.headroom.push_back(
+        Information(request.model, {*effect}, informationOptions(request, false)).headroom(plan.motion.sampled, limits));
+  }
   PlanRequest common = request;
   common.effects = commonKinds();
   plan.others = revealedBy(common, plan.motion.sampled);
