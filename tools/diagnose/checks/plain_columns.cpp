@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -27,34 +28,48 @@ Column preslidingColumn(const Dataset& data, int joint, double share_of_range) {
       level[i] = end + (level[i - 1] - end) * std::exp(-std::abs(moved) / way);
     }
   }
-  return data.column([&](const Series& series, std::size_t i) {
-    JointVector torque = JointVector::Zero(data.joints());
-    torque[joint] = friction.at(&series)[i];
-    return torque;
+  return data.jointColumn(joint,
+                          [&](const Series& series, std::size_t i) { return friction.at(&series)[i]; });
+}
+
+// That of a kind of elementaryEffects() on a joint.
+Column elementary(const Dataset& data, const std::vector<ElementaryEffect>& all, int joint,
+                  std::string_view kind) {
+  const auto effect = std::find_if(all.begin(), all.end(), [&](const ElementaryEffect& one) {
+    return one.joint == joint && one.kind == kind;
+  });
+  return data.jointColumn(joint, [&](const Series& series, std::size_t i) {
+    return effect->torque_Nm(series.states[i]);
   });
 }
 
 }  // namespace
 
-Eigen::MatrixXd plainColumns(const Dataset& data) {
-  const std::vector<ElementaryColumn> elementary = elementaryColumns(data);
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * kPlainKinds);
+Eigen::MatrixXd rubbingColumns(const Dataset& data) {
+  const std::vector<ElementaryEffect> all = elementaryEffects(data);
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * kRubbingKinds);
   for (int joint = 0; joint < data.joints(); ++joint) {
-    for (int kind = 0; kind < kRotor; ++kind) {
-      columns.col(joint * kPlainKinds + kind) =
-          elementary[static_cast<std::size_t>(joint * kRotor + kind)].torque;
-    }
-    columns.col(joint * kPlainKinds + kRotor) = data.column([joint](const Series& series, std::size_t i) {
-      JointVector torque = JointVector::Zero(series.acceleration[i].size());
-      torque[joint] = series.acceleration[i][joint];
-      return torque;
-    });
+    const int first = joint * kRubbingKinds;
+    columns.col(first + kViscous) = elementary(data, all, joint, "viscous_friction");
+    columns.col(first + kCoulomb) = elementary(data, all, joint, "coulomb_friction");
     if (!data.isStatic()) {
-      columns.col(joint * kPlainKinds + kPresliding) =
-          preslidingColumn(data, joint, convention::kPreslidingShare);
-      columns.col(joint * kPlainKinds + kSlowPresliding) =
-          preslidingColumn(data, joint, convention::kSlowPreslidingShare);
+      columns.col(first + kPresliding) = preslidingColumn(data, joint, convention::kPreslidingShare);
+      columns.col(first + kSlowPresliding) = preslidingColumn(data, joint, convention::kSlowPreslidingShare);
     }
+  }
+  return columns;
+}
+
+Eigen::MatrixXd otherColumns(const Dataset& data) {
+  const std::vector<ElementaryEffect> all = elementaryEffects(data);
+  Eigen::MatrixXd columns(data.rows() * data.joints(), data.joints() * kOtherKinds);
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const int first = joint * kOtherKinds;
+    columns.col(first + kStiffness) = elementary(data, all, joint, "linear_stiffness");
+    columns.col(first + kBias) = elementary(data, all, joint, "torque_bias");
+    columns.col(first + kRotor) = data.jointColumn(
+        joint, [joint](const Series& series, std::size_t i) { return series.acceleration[i][joint]; });
   }
   return columns;
 }

@@ -8,13 +8,17 @@
 
 namespace patella::diagnose {
 
-/// Plain effects of a joint: those of elementaryColumns() in their order, the inertia of its motor, and dry
-/// friction that comes up over the way since a reversal.
-enum Plain { kViscous, kCoulomb, kStiffness, kBias, kRotor, kPresliding, kSlowPresliding, kPlainKinds };
+/// What rubs in a joint: viscous and dry friction, and dry friction that comes up over the way since a
+/// reversal.
+enum Rubbing { kViscous, kCoulomb, kPresliding, kSlowPresliding, kRubbingKinds };
+/// The other plain effects of a joint: a spring, a bias, and the inertia of its motor.
+enum Other { kStiffness, kBias, kRotor, kOtherKinds };
 
-/// Torque for one unit of each, N·m: kPlainKinds columns for each joint, one joint after the other. Postures
+/// Torque for one unit of each, N·m: kRubbingKinds columns for each joint, one joint after the other. Postures
 /// at rest have zeros for what takes an order in time.
-Eigen::MatrixXd plainColumns(const Dataset& data);
+Eigen::MatrixXd rubbingColumns(const Dataset& data);
+/// The same of the others, kOtherKinds columns for each joint.
+Eigen::MatrixXd otherColumns(const Dataset& data);
 
 /// Torque of bodies on the last link of a single chain, at its origin and beside it along each axis, N·m for
 /// a kilogram each: of any payload, nearly. No columns for other mechanisms.

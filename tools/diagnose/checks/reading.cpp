@@ -114,9 +114,11 @@ Reader::Reader(Dataset data, const model::ModelDescription& model)
       model_(model),
       bare_(model::makeModel({.mechanism = model.mechanism, .effects = {}})),
       own_(columnsOf(data_)),
+      own_torque_Nm_(data_.driveTorque()),
+      own_sums_(sumsOf(own_, own_torque_Nm_)),
       at_rest_(restOf(own_)),
       largest_inertia_(largestInertia(data_, bare_.mechanism())),
-      own_load_Nm_(loadsOf(sumsOf(own_, data_.driveTorque()))) {}
+      own_load_Nm_(loadsOf(own_sums_)) {}
 
 Eigen::MatrixXd Reader::declaredOf(const Dataset& data) const {
   Eigen::MatrixXd columns(data.rows() * data.joints(), static_cast<Eigen::Index>(model_.effects.size()));
@@ -136,26 +138,52 @@ Reader::Columns Reader::columnsOf(const Dataset& data) const {
   columns.model.leftCols(base.size()) =
       data.regressor(bare_.mechanism(), JointVector::Zero(data.joints())) * base.asDiagonal();
   columns.model.rightCols(declared.cols()) = declared;
-  const Eigen::MatrixXd plain = plainColumns(data), bodies = bodyColumns(data, model_);
-  columns.effects.resize(plain.rows(), plain.cols() + bodies.cols());
-  columns.effects << plain, bodies;
+  columns.rubbing = rubbingColumns(data);
   return columns;
 }
 
-std::vector<Reader::Sums> Reader::sumsOf(const Columns& columns, const Column& torque) const {
-  const Eigen::Index rows = data_.rows(), own = columns.model.cols(), plain = columns.effects.cols();
+std::vector<Reader::Sums> Reader::sumsOf(const Eigen::MatrixXd& columns, const Column& torque) const {
+  const Eigen::Index rows = data_.rows(), own = own_.model.cols();
+  const double share = 1.0 / static_cast<double>(rows);
   std::vector<Sums> sums;
-  Eigen::MatrixXd all(rows, own + plain);
   for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
-    all << columns.model.middleRows(joint * rows, rows), columns.effects.middleRows(joint * rows, rows);
+    const std::vector<Eigen::Index> felt = feltColumns(columns, joint * rows, rows);
+    const Eigen::MatrixXd all = columns.middleRows(joint * rows, rows)(Eigen::all, felt);
     const auto target = torque.segment(joint * rows, rows);
-    const double share = 1.0 / static_cast<double>(rows);
-    Sums of_joint{.gram = share * gramOf(all),
-                  .right = share * (all.transpose() * target),
+    Sums of_joint{.gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols()),
+                  .right = Eigen::VectorXd::Zero(columns.cols()),
                   .power = share * target.squaredNorm()};
+    of_joint.gram(felt, felt) = share * gramOf(all);
+    of_joint.right(felt) = share * (all.transpose() * target);
     of_joint.load =
         std::max(1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
     sums.push_back(std::move(of_joint));
+  }
+  return sums;
+}
+
+std::vector<Reader::Sums> Reader::sumsOf(const Columns& columns, const Column& torque) const {
+  Eigen::MatrixXd all(columns.model.rows(), columns.model.cols() + columns.rubbing.cols());
+  all << columns.model, columns.rubbing;
+  return sumsOf(all, torque);
+}
+
+std::vector<Reader::Sums> Reader::sumsOfTorque(const Column& torque) const {
+  const Eigen::Index rows = data_.rows(), own = own_.model.cols();
+  const double share = 1.0 / static_cast<double>(rows);
+  std::vector<Sums> sums = own_sums_;
+  for (Eigen::Index joint = 0; joint < data_.joints(); ++joint) {
+    const auto target = torque.segment(joint * rows, rows);
+    if (target == own_torque_Nm_.segment(joint * rows, rows)) {
+      continue;
+    }
+    Sums& of_joint = sums[static_cast<std::size_t>(joint)];
+    of_joint.right.head(own) = share * (own_.model.middleRows(joint * rows, rows).transpose() * target);
+    of_joint.right.tail(own_.rubbing.cols()) =
+        share * (own_.rubbing.middleRows(joint * rows, rows).transpose() * target);
+    of_joint.power = share * target.squaredNorm();
+    of_joint.load =
+        std::max(1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
   }
   return sums;
 }
@@ -169,26 +197,19 @@ std::vector<double> Reader::loadsOf(const std::vector<Sums>& sums) {
 }
 
 Reader::Fitted Reader::fit(const std::vector<Sums>& sums, Freedom freedom) const {
-  const Eigen::Index all = sums.front().right.size(), own = own_.model.cols(),
-                     plain = data_.joints() * kPlainKinds;
+  const Eigen::Index all = sums.front().right.size(), own = own_.model.cols(), rubbing = own_.rubbing.cols();
   constexpr double kAny = std::numeric_limits<double>::infinity();
-  Eigen::VectorXd lower = Eigen::VectorXd::Zero(all), upper = lower;
+  Eigen::VectorXd lower = Eigen::VectorXd::Zero(all), upper = Eigen::VectorXd::Constant(all, kAny);
   lower.head(own).setConstant(freedom == kRubbing ? 1.0 - kOwnRange : 1.0 / kOtherLeg);
   upper.head(own).setConstant(freedom == kRubbing ? 1.0 + kOwnRange : kOtherLeg);
-  for (Eigen::Index k = 0; k < plain; ++k) {
-    const Eigen::Index kind = k % kPlainKinds;
-    if (kind == kRotor) {
-      const double own_inertia = largest_inertia_[static_cast<std::size_t>(k / kPlainKinds)];
-      upper[own + k] = freedom == kAllEffects ? kMostMotor * own_inertia : 0.0;
-    } else if (freedom == kAllEffects || kind == kViscous || kind == kCoulomb || kind == kPresliding ||
-               kind == kSlowPresliding) {
-      lower[own + k] = kind == kBias ? -kAny : 0.0;
-      upper[own + k] = kAny;
-    }
-  }
   if (freedom == kAllEffects) {
-    lower.tail(all - own - plain).setConstant(-kAny);
-    upper.tail(all - own - plain).setConstant(kAny);
+    const Eigen::Index first = own + rubbing, bodies = first + data_.joints() * kOtherKinds;
+    for (int joint = 0; joint < data_.joints(); ++joint) {
+      lower[first + joint * kOtherKinds + kBias] = -kAny;
+      upper[first + joint * kOtherKinds + kRotor] =
+          kMostMotor * largest_inertia_[static_cast<std::size_t>(joint)];
+    }
+    lower.tail(all - bodies).setConstant(-kAny);
   }
   std::vector<double> error, weight;
   for (const Sums& of_joint : sums) {
@@ -216,7 +237,7 @@ Reader::Fitted Reader::fit(const std::vector<Sums>& sums, Freedom freedom) const
   return {.strengths = std::move(x), .error = std::move(error)};
 }
 
-Reading Reader::readingOf(const Dataset& data, const Columns& columns,
+Reading Reader::readingOf(const std::vector<Sums>& sums, const Columns& columns,
                           const std::array<int, 2>& exchanged) const {
   // Place of the column in which each joint's position is read.
   std::vector<std::size_t> place(at_rest_.size());
@@ -224,25 +245,19 @@ Reading Reader::readingOf(const Dataset& data, const Columns& columns,
   if (exchanged[0] >= 0) {
     std::swap(place[static_cast<std::size_t>(exchanged[0])], place[static_cast<std::size_t>(exchanged[1])]);
   }
-  const std::vector<Sums> sums = sumsOf(columns, data.driveTorque());
-  Reading reading{.load_Nm = loadsOf(sums),
-                  .error = fit(sums, kRubbing).error,
-                  .error_of_torque = {},
-                  .error_with_effects = fit(sums, kAllEffects).error};
+  Reading reading{.load_Nm = loadsOf(sums), .error = fit(sums, kRubbing).error, .error_of_torque = {}};
   const std::vector<bool> rest = restOf(columns);
   for (std::size_t j = 0; j < reading.error.size(); ++j) {
     const double left_Nm = reading.error[j] * sums[j].load;
     reading.error_of_torque.push_back(std::min(1.0, left_Nm / std::max(1e-12, std::sqrt(sums[j].power))));
     if (rest[j] && at_rest_[place[j]]) {
-      reading.error[j] = reading.error_with_effects[j] = 0.0;
+      reading.error[j] = 0.0;
     }
   }
   if (exchanged[0] >= 0 && hasJointAtRest()) {
     // The column that moves is compared with itself.
-    const auto [first, second] = exchanged;
-    for (std::vector<double>* errors : {&reading.error, &reading.error_with_effects}) {
-      std::swap((*errors)[static_cast<std::size_t>(first)], (*errors)[static_cast<std::size_t>(second)]);
-    }
+    std::swap(reading.error[static_cast<std::size_t>(exchanged[0])],
+              reading.error[static_cast<std::size_t>(exchanged[1])]);
   }
   return reading;
 }
@@ -253,7 +268,6 @@ void Reader::measureByGivenLoad(Reading& reading) const {
   for (std::size_t j = 0; j < reading.load_Nm.size(); ++j) {
     const double grown = std::max(1.0, reading.load_Nm[j] / own_load_Nm_[j]);
     reading.error[j] *= grown;
-    reading.error_with_effects[j] *= grown;
     reading.load_Nm[j] /= grown;
   }
 }
@@ -261,7 +275,7 @@ void Reader::measureByGivenLoad(Reading& reading) const {
 std::vector<bool> Reader::restOf(const Columns& columns) const {
   std::vector<double> speed;
   for (int joint = 0; joint < data_.joints(); ++joint) {
-    speed.push_back(jointRms(data_, columns.effects.col(joint * kPlainKinds + kViscous), joint));
+    speed.push_back(jointRms(data_, columns.rubbing.col(joint * kRubbingKinds + kViscous), joint));
   }
   const double fastest = *std::max_element(speed.begin(), speed.end());
   std::vector<bool> rest;
@@ -274,7 +288,7 @@ std::vector<bool> Reader::restOf(const Columns& columns) const {
 bool Reader::moves() const {
   double fastest = 0.0;
   for (int joint = 0; joint < data_.joints(); ++joint) {
-    fastest = std::max(fastest, jointRms(data_, own_.effects.col(joint * kPlainKinds + kViscous), joint));
+    fastest = std::max(fastest, jointRms(data_, own_.rubbing.col(joint * kRubbingKinds + kViscous), joint));
   }
   return fastest > motion::kLeastVelocity_rad_s;
 }
@@ -295,23 +309,38 @@ bool Reader::hasJointThatHardlyBends() const {
   return false;
 }
 
+Eigen::MatrixXd Reader::allOfGiven() const {
+  const Eigen::MatrixXd others = otherColumns(data_), bodies = bodyColumns(data_, model_);
+  Eigen::MatrixXd all(others.rows(),
+                      own_.model.cols() + own_.rubbing.cols() + others.cols() + bodies.cols());
+  all << own_.model, own_.rubbing, others, bodies;
+  return all;
+}
+
 Reading Reader::asGiven() const {
-  return readingOf(data_, own_, kInOrder);
+  Reading reading = readingOf(own_sums_, own_, kInOrder);
+  reading.error_with_effects = fit(sumsOf(allOfGiven(), own_torque_Nm_), kAllEffects).error;
+  const std::vector<bool> rest = restOf(own_);
+  for (std::size_t j = 0; j < rest.size(); ++j) {
+    if (rest[j] && at_rest_[j]) {
+      reading.error_with_effects[j] = 0.0;
+    }
+  }
+  return reading;
 }
 
 std::vector<double> Reader::errorBesideTremor() const {
-  const Column torque = data_.driveTorque();
-  const std::vector<Sums> sums = sumsOf(own_, torque);
+  const Eigen::MatrixXd all = allOfGiven();
+  const std::vector<Sums> sums = sumsOf(all, own_torque_Nm_);
   Fitted fitted = fit(sums, kAllEffects);
-  const Eigen::Index rows = data_.rows(), own = own_.model.cols();
-  const Eigen::VectorXd rest = torque - own_.model * fitted.strengths.head(own) -
-                               own_.effects * fitted.strengths.tail(own_.effects.cols());
+  const Eigen::Index rows = data_.rows();
+  const Eigen::VectorXd rest = own_torque_Nm_ - all * fitted.strengths;
   for (std::size_t j = 0; j < sums.size(); ++j) {
     const auto joint = static_cast<Eigen::Index>(j);
     const double square = squareBesideForeignLine(
         {.time_s = data_.time_s(),
          .rest_Nm = rest.segment(joint * rows, rows),
-         .velocity_rad_s = own_.effects.col(joint * kPlainKinds + kViscous).segment(joint * rows, rows)},
+         .velocity_rad_s = own_.rubbing.col(joint * kRubbingKinds + kViscous).segment(joint * rows, rows)},
         data_.band_Hz());
     fitted.error[j] = std::sqrt(square / static_cast<double>(rows)) / sums[j].load;
   }
@@ -352,17 +381,19 @@ Reader Reader::putRight(const Convention& convention) const {
 Reading Reader::read(const Convention& convention) {
   Reading reading;
   if (convention.kind == ConventionKind::kZero) {
-    reading = readingOf(data_, turned(convention), kInOrder);
+    const Columns columns = turned(convention);
+    reading = readingOf(sumsOf(columns, own_torque_Nm_), columns, kInOrder);
   } else {
     const Dataset changed = data_.changed(convention.correct);
     if (!convention.torque_only) {
-      reading = readingOf(changed, columnsOf(changed), convention.exchanged);
+      const Columns columns = columnsOf(changed);
+      reading = readingOf(sumsOf(columns, changed.driveTorque()), columns, convention.exchanged);
     } else if (model_.effects.empty()) {
-      reading = readingOf(changed, own_, kInOrder);
+      reading = readingOf(sumsOfTorque(changed.driveTorque()), own_, kInOrder);
     } else {
       Columns columns = own_;
       columns.model.rightCols(static_cast<Eigen::Index>(model_.effects.size())) = declaredOf(changed);
-      reading = readingOf(changed, columns, kInOrder);
+      reading = readingOf(sumsOf(columns, changed.driveTorque()), columns, kInOrder);
     }
   }
   if (torque_scaled_ || convention.kind == ConventionKind::kTorqueUnit) {

@@ -25,8 +25,8 @@ struct Reading {
   /// The same rest over the torque alone; 1 where it explains nothing.
   std::vector<double> error_of_torque;
   /// With parameters within a factor of convention::kOtherLeg, every plain effect, and a body on the last
-  /// link of a chain.
-  std::vector<double> error_with_effects;
+  /// link of a chain. Of a recording as given only.
+  std::vector<double> error_with_effects{};
 };
 
 /// Sum over the joints of the logarithms of an error, none below that of convention::kFloor: the
@@ -60,7 +60,7 @@ class Reader {
   /// Torque that a motion needs from the drives, whatever they gave.
   struct Columns {
     Eigen::MatrixXd model;    ///< of its base parameters, as they are
-    Eigen::MatrixXd effects;  ///< plain ones, as many for each joint, and those of bodyColumns()
+    Eigen::MatrixXd rubbing;  ///< rubbingColumns()
   };
   /// Of one joint's rows, in the mean: all that least squares need.
   struct Sums {
@@ -74,13 +74,19 @@ class Reader {
     std::vector<double> error;  ///< of each joint, over its load
   };
   Columns columnsOf(const Dataset& data) const;
+  /// Of the recording as given: all that is known, then otherColumns(), then bodyColumns().
+  Eigen::MatrixXd allOfGiven() const;
   Eigen::MatrixXd declaredOf(const Dataset& data) const;
   /// With another zero of one joint that turns.
   Columns turned(const Convention& zero);
   /// `exchanged`: as in Convention, of positions.
-  Reading readingOf(const Dataset& data, const Columns& columns, const std::array<int, 2>& exchanged) const;
+  Reading readingOf(const std::vector<Sums>& sums, const Columns& columns,
+                    const std::array<int, 2>& exchanged) const;
   std::vector<bool> restOf(const Columns& columns) const;
+  std::vector<Sums> sumsOf(const Eigen::MatrixXd& columns, const Column& torque) const;
   std::vector<Sums> sumsOf(const Columns& columns, const Column& torque) const;
+  /// The same of the own columns, whose products with each other are known.
+  std::vector<Sums> sumsOfTorque(const Column& torque) const;
   static std::vector<double> loadsOf(const std::vector<Sums>& sums);
   void measureByGivenLoad(Reading& reading) const;
   Fitted fit(const std::vector<Sums>& sums, Freedom freedom) const;
@@ -89,6 +95,8 @@ class Reader {
   model::ModelDescription model_;
   model::DynamicsModel bare_;  ///< its mechanism without effects
   Columns own_;
+  Column own_torque_Nm_;
+  std::vector<Sums> own_sums_;
   std::vector<bool> at_rest_;
   std::vector<double> largest_inertia_;
   std::vector<double> own_load_Nm_;

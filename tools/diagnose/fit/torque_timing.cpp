@@ -157,7 +157,8 @@ Answer answerOf(const Estimates& halves) {
     weight += 1.0 / (vote.deviation * vote.deviation);
     answer.contradictory =
         answer.contradictory || std::any_of(votes.begin(), votes.end(), [&](const Vote& other) {
-          return vote.excludes(other.nearest()) && other.excludes(vote.nearest());
+          return vote.nearest() != other.nearest() && vote.excludes(other.nearest()) &&
+                 other.excludes(vote.nearest());
         });
   }
   const bool sure = !votes.empty() && 2 * static_cast<int>(votes.size()) >= telling &&

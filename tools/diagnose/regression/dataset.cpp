@@ -197,6 +197,21 @@ Column Dataset::column(const std::function<JointVector(const Series&, std::size_
   return columnOf([](const Series&) {}, torque);
 }
 
+Column Dataset::jointColumn(int joint,
+                            const std::function<double(const Series&, std::size_t)>& torque) const {
+  Column result = Column::Zero(rows_ * joints_);
+  Eigen::Index first = 0;
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    Samples raw(series_[s].states.size());
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      raw[i] = torque(series_[s], i);
+    }
+    put(band(raw, series_[s]), s, first, result.segment(joint * rows_, rows_));
+    first += static_cast<Eigen::Index>(kept_[s].size());
+  }
+  return result;
+}
+
 void Dataset::setPredictedTorque(const std::function<JointVector(const Series&, std::size_t)>& torque_Nm) {
   for (Series& series : series_) {
     for (std::size_t i = 0; i < series.states.size(); ++i) {

@@ -81,6 +81,9 @@ class Dataset {
   /// Puts a torque that belongs to each state through the band.
   Column column(const std::function<JointVector(const Series&, std::size_t)>& torque) const;
 
+  /// The same of a torque on one joint alone.
+  Column jointColumn(int joint, const std::function<double(const Series&, std::size_t)>& torque) const;
+
   /// Predicts the torque on which friction and gains depend from the motion. Were it the measured one, an
   /// effect in proportion to it would explain whatever was measured. Effects of the drive
   /// (EffectDescriptor::of_drive) take the measured torque all the same: it is what goes into the drive, what

@@ -68,10 +68,8 @@ std::vector<ElementaryColumn> elementaryColumns(const Dataset& data) {
   for (const ElementaryEffect& effect : elementaryEffects(data)) {
     all.push_back({.kind = effect.kind,
                    .joint = effect.joint,
-                   .torque = data.column([&](const Series& s, std::size_t i) {
-                     JointVector value = JointVector::Zero(data.joints());
-                     value[effect.joint] = effect.torque_Nm(s.states[i]);
-                     return value;
+                   .torque = data.jointColumn(effect.joint, [&](const Series& s, std::size_t i) {
+                     return effect.torque_Nm(s.states[i]);
                    })});
   }
   return all;
