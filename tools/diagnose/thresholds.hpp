@@ -103,8 +103,10 @@ inline constexpr double kTells = 0.45;
 /// sampled, which is one, and since the sample before, which is two. What is farther from all comes early or
 /// late by something else.
 inline constexpr double kNear = 0.5;
-/// Standard deviations by which a vote, and all of them together, have to contradict another answer.
+/// Standard deviations by which all votes together have to contradict a held torque.
 inline constexpr double kSure = 2.0;
+/// The same by which each of two joints has to contradict the other's answer: there are many pairs of joints.
+inline constexpr double kContradicts = 3.0;
 }  // namespace torque_timing
 
 /// Is the motion, or the torque, enough to tell?

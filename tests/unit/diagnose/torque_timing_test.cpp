@@ -98,6 +98,21 @@ TEST_CASE(
   CHECK(undecided.front().warnings.back().find("some joints follow their torque") != std::string::npos);
 }
 
+TEST_CASE("joints that agree on a held torque do not contradict each other") {
+  for (std::uint64_t seed = 7100001; seed <= 7100006; ++seed) {
+    CAPTURE(seed);
+    const Case drawn =
+        drawCase(seed, Suite::kNone,
+                 {.effect = "", .mechanism = "chain", .motion = "multisine", .joints = 3, .strength = 0.0});
+    Recording held = drawn.run.recording;
+    held.torque_timing_assumed = true;
+    const std::size_t warnings = held.warnings.size();
+    const auto settled = diagnose::withTorqueTiming(std::span(&held, 1), drawn.nominal, {});
+    CHECK(settled.front().torque_timing == TorqueTiming::kHeld);
+    CHECK(settled.front().warnings.size() == warnings);
+  }
+}
+
 TEST_CASE("noise of the torque does not make a sampled one look held") {
   constexpr double kNoise_Nm = 0.15;  // a tenth of the first joint's torque
   Recording noisy = diagnose::moved(diagnose::arm(), 30.0, kNoise_Nm);

@@ -14,12 +14,12 @@ namespace patella::bench {
 inline constexpr double kSine_Hz = 0.5;
 struct Comparison {
   std::string machine;
-  std::string effect;    ///< that is planned for: "payload@2"
-  double sine = 0.0;     ///< smallest size that the sine reveals; the end of the physical range where none
-  double planned = 0.0;  ///< the same of the plan
+  std::string effect;     ///< that is planned for: "payload@2"
+  double sine = 0.0;      ///< smallest size that the sine reveals; the end of the physical range where none
+  double planned = 0.0;   ///< the same of the plan
   double headroom = 1.0;  ///< how many times smaller sizes any motion could reveal (Information::headroom)
-  Taken taken;           ///< by the planned motion, with the effect hidden at that size
-  double seconds = 0.0;  ///< of planning
+  Taken taken;            ///< by the planned motion, with the effect hidden at that size
+  double seconds = 0.0;   ///< of planning
 
   double factor() const noexcept { return sine / planned; }
   /// The factor that no motion within the limits exceeds.

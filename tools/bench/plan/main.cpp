@@ -48,17 +48,18 @@ struct Factors {
 };
 
 void print(const std::vector<Comparison>& all) {
-  std::cout << "| no | machine | effect | sine | planned | factor | at most | range, speed, torque in % | s |\n"
-               "|---|---|---|---|---|---|---|---|---|\n";
+  std::cout
+      << "| no | machine | effect | sine | planned | factor | at most | range, speed, torque in % | s |\n"
+         "|---|---|---|---|---|---|---|---|---|\n";
   std::map<std::string, Factors> factors;
   int broken = 0;
   double slowest_s = 0.0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Comparison& one = all[i];
     std::cout << fmt::format(
-        "| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.0f}, {:.0f}, {:.0f} | {:.1f} |\n", i + 1, one.machine,
-        one.effect, one.sine, one.planned, one.factor(), one.possible(), 100.0 * one.taken.range, 100.0 * one.taken.speed,
-        100.0 * one.taken.torque, one.seconds);
+        "| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.0f}, {:.0f}, {:.0f} | {:.1f} |\n", i + 1,
+        one.machine, one.effect, one.sine, one.planned, one.factor(), one.possible(), 100.0 * one.taken.range,
+        100.0 * one.taken.speed, 100.0 * one.taken.torque, one.seconds);
     for (const std::string& group :
          {std::string("all"), one.machine, one.effect.substr(0, one.effect.find('@'))}) {
       factors[group].planned.push_back(one.factor());
@@ -82,7 +83,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   CLI::App app(
       "Compares planned motions with the best single sine of 0.5 Hz of the same duration, limits and start, "
       "for the effect that this sine shows least. Factor: smallest size that the sine reveals over that of "
-      "the plan; at most: the same of the best motion that could be, which is no more than that. Each plan is then followed by the machine, with masses up to 5 % off and the effect hidden.",
+      "the plan; at most: the same of the best motion that could be, which is no more than that. Each plan "
+      "is then followed by the machine, with masses up to 5 % off and the effect hidden.",
       "patella-bench-plan");
   Options options;
   app.add_option("--machines", options.machines, "number of drawn machines")

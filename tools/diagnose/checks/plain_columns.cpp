@@ -38,17 +38,15 @@ Column elementary(const Dataset& data, const std::vector<ElementaryEffect>& all,
   const auto effect = std::find_if(all.begin(), all.end(), [&](const ElementaryEffect& one) {
     return one.joint == joint && one.kind == kind;
   });
-  return data.jointColumn(joint, [&](const Series& series, std::size_t i) {
-    return effect->torque_Nm(series.states[i]);
-  });
+  return data.jointColumn(
+      joint, [&](const Series& series, std::size_t i) { return effect->torque_Nm(series.states[i]); });
 }
 
 }  // namespace
 
 Eigen::MatrixXd rubbingColumns(const Dataset& data) {
   const std::vector<ElementaryEffect> all = elementaryEffects(data);
-  Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * kRubbingKinds);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(data.rows() * data.joints(), data.joints() * kRubbingKinds);
   for (int joint = 0; joint < data.joints(); ++joint) {
     const int first = joint * kRubbingKinds;
     columns.col(first + kViscous) = elementary(data, all, joint, "viscous_friction");

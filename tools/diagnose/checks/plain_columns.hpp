@@ -14,8 +14,8 @@ enum Rubbing { kViscous, kCoulomb, kPresliding, kSlowPresliding, kRubbingKinds }
 /// The other plain effects of a joint: a spring, a bias, and the inertia of its motor.
 enum Other { kStiffness, kBias, kRotor, kOtherKinds };
 
-/// Torque for one unit of each, N·m: kRubbingKinds columns for each joint, one joint after the other. Postures
-/// at rest have zeros for what takes an order in time.
+/// Torque for one unit of each, N·m: kRubbingKinds columns for each joint, one joint after the other.
+/// Postures at rest have zeros for what takes an order in time.
 Eigen::MatrixXd rubbingColumns(const Dataset& data);
 /// The same of the others, kOtherKinds columns for each joint.
 Eigen::MatrixXd otherColumns(const Dataset& data);

@@ -311,8 +311,7 @@ bool Reader::hasJointThatHardlyBends() const {
 
 Eigen::MatrixXd Reader::allOfGiven() const {
   const Eigen::MatrixXd others = otherColumns(data_), bodies = bodyColumns(data_, model_);
-  Eigen::MatrixXd all(others.rows(),
-                      own_.model.cols() + own_.rubbing.cols() + others.cols() + bodies.cols());
+  Eigen::MatrixXd all(others.rows(), own_.model.cols() + own_.rubbing.cols() + others.cols() + bodies.cols());
   all << own_.model, own_.rubbing, others, bodies;
   return all;
 }

@@ -133,7 +133,13 @@ struct Vote {
   double value = 0.0;      ///< half periods
   double deviation = 0.0;  ///< standard, of it
   double nearest() const { return std::clamp(std::round(value), 0.0, 2.0); }
-  bool excludes(double halves) const { return std::abs(value - halves) > torque_timing::kSure * deviation; }
+  /// So many pairs of joints are looked at that chance takes some of them farther apart than one joint's
+  /// vote.
+  bool contradicts(const Vote& other) const {
+    const double far = torque_timing::kContradicts;
+    return nearest() != other.nearest() && std::abs(value - other.nearest()) > far * deviation &&
+           std::abs(other.value - nearest()) > far * other.deviation;
+  }
 };
 
 // A joint that is earlier or later than any timing lacks something else, of which this is no test.
@@ -156,10 +162,8 @@ Answer answerOf(const Estimates& halves) {
     weighted += vote.value / (vote.deviation * vote.deviation);
     weight += 1.0 / (vote.deviation * vote.deviation);
     answer.contradictory =
-        answer.contradictory || std::any_of(votes.begin(), votes.end(), [&](const Vote& other) {
-          return vote.nearest() != other.nearest() && vote.excludes(other.nearest()) &&
-                 other.excludes(vote.nearest());
-        });
+        answer.contradictory ||
+        std::any_of(votes.begin(), votes.end(), [&](const Vote& other) { return vote.contradicts(other); });
   }
   const bool sure = !votes.empty() && 2 * static_cast<int>(votes.size()) >= telling &&
                     weighted > torque_timing::kSure * std::sqrt(weight);

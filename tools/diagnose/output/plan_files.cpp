@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -65,10 +66,10 @@ void printSizes(const std::vector<Revealed>& all, std::span<const double> headro
     const Revealed& revealed = all[i];
     const bool shows = std::isfinite(revealed.share_of_torque);
     const bool known = shows && i < headroom.size() && std::isfinite(headroom[i]);
-    out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}{:>8}\n", effectWords(revealed.kind), revealed.joint + 1,
+    out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}{}\n", effectWords(revealed.kind), revealed.joint + 1,
                        sizeWords(revealed, unitsOf(mechanism, revealed.joint)),
                        shows ? shortNumber(kPercent * revealed.share_of_torque) + " %" : "–",
-                       known ? fmt::format("{:.2f}", headroom[i]) : "");
+                       known ? fmt::format("{:>8.2f}", headroom[i]) : "");
   }
 }
 
@@ -188,7 +189,8 @@ void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::fi
     printSizes(plan.others, {}, request.model.mechanism, out);
   }
   if (!plan.revealed.empty()) {
-    out << "  limit: no motion of this duration, within these limits, shows sizes smaller by more than this factor\n";
+    out << "  limit: no motion of this duration, within these limits, shows sizes smaller by more than this "
+           "factor\n";
   }
   out << "  files in " << folder.string() << ": reference.toml, plan.json, plan.html\n";
 }

@@ -12,10 +12,10 @@ namespace {
 
 constexpr int kFirstStates = 200;  ///< for each joint
 constexpr int kExchanges = 40;
-constexpr double kNear = 1.02;          ///< bound over what is attained, at which exchanging ends
-constexpr int kDraws = 1500;            ///< for each joint and exchange
-constexpr int kClimbs = 6;              ///< of the best of them
-constexpr double kFirstStep = 0.25;     ///< of a climb, of each range
+constexpr double kNear = 1.02;       ///< bound over what is attained, at which exchanging ends
+constexpr int kDraws = 1500;         ///< for each joint and exchange
+constexpr int kClimbs = 6;           ///< of the best of them
+constexpr double kFirstStep = 0.25;  ///< of a climb, of each range
 constexpr double kLastStep = 1e-3;
 constexpr int kReweighings = 300;
 constexpr double kLeastWeight = 1e-7;

@@ -18,7 +18,8 @@ namespace patella::diagnose {
 /// which is concave in ξ. So for any v, no motion has more than  max over x of N |s(x) − n(x) v|²  + vᵀ P v.
 /// States are exchanged until the best distribution on those at hand comes within a few percent of that.
 /// Source: Atkinson, Donev and Tobias 2007, Optimum Experimental Designs, Chapter 9 (general equivalence
-/// theorem), with the prior of Chapter 18. The maximum over x is searched for from many draws, and not proven.
+/// theorem), with the prior of Chapter 18. The maximum over x is searched for from many draws, and not
+/// proven.
 struct BestStates {
   double attained = 0.0;  ///< of a distribution that was found; no motion need have it
   double bound = 0.0;

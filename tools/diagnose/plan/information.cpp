@@ -150,8 +150,7 @@ double Information::headroom(const SampledMotion& motion, const MotionLimits& li
     noise_Nm.push_back(noise.noise_Nm);
   }
   const double samples = kIndependent_Hz * motion.step_s * static_cast<double>(motion.q.rows());
-  const BestStates best =
-      bestStates(columns_, columns_.main().front(), beside(0), noise_Nm, samples, limits);
+  const BestStates best = bestStates(columns_, columns_.main().front(), beside(0), noise_Nm, samples, limits);
   return std::sqrt(best.bound / std::max(left(partsOf(motion).gram, 0), 1e-300));
 }
 

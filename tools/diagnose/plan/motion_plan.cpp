@@ -46,8 +46,8 @@ MotionPlan makePlan(const PlanRequest& request) {
     const auto effect = std::find_if(effects.begin(), effects.end(), [&](const PlannedEffect& one) {
       return one.recipe->kind == revealed.kind && one.recipe->joint == revealed.joint;
     });
-    plan.headroom.push_back(
-        Information(request.model, {*effect}, informationOptions(request, false)).headroom(plan.motion.sampled, limits));
+    plan.headroom.push_back(Information(request.model, {*effect}, informationOptions(request, false))
+                                .headroom(plan.motion.sampled, limits));
   }
   PlanRequest common = request;
   common.effects = commonKinds();

@@ -26,8 +26,8 @@ struct MotionPlan {
   std::vector<Revealed> revealed;  ///< of each effect that was asked for, the ones that show least first
   /// Of each of these, how many times smaller sizes any motion could reveal (Information::headroom).
   std::vector<double> headroom;
-  std::vector<Revealed> others;    ///< of what is commonly missing and was not asked for
-  bool parameters = false;         ///< whether base parameters were asked for
+  std::vector<Revealed> others;  ///< of what is commonly missing and was not asked for
+  bool parameters = false;       ///< whether base parameters were asked for
 };
 
 /// Noise of a joint of which nothing is known, as a share of its torque limit: what current sensors that are
