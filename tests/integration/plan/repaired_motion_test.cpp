@@ -120,6 +120,8 @@ TEST_CASE("a motion that was too poor is repaired by the plan that its diagnosis
   for (const nlohmann::json& revealed : sizes["revealed"]) {
     CAPTURE(revealed.dump());
     CHECK(revealed["smallest_size"].is_number());
+    CHECK(revealed["any_motion_smaller_by_at_most"].get<double>() > 1.0);
+    CHECK(revealed["any_motion_smaller_by_at_most"].get<double>() < 4.0);
   }
   CHECK(sizes["use_of_limits"]["position"].get<double>() <= 1.0);
   CHECK(app::readFile(plan / "plan.html").find("<svg") != std::string::npos);

@@ -99,6 +99,11 @@ std::vector<double> largestInertia(const Dataset& data, const model::Mechanism& 
   return largest;
 }
 
+// Rms of the torque, or of the model's largest term.
+double loadOf(double power, const Eigen::Ref<const Eigen::VectorXd>& terms) {
+  return std::max(1e-12, std::sqrt(std::max(power, terms.maxCoeff())));
+}
+
 }  // namespace
 
 double misfit(const std::vector<double>& error, double floor) {
@@ -155,8 +160,7 @@ std::vector<Reader::Sums> Reader::sumsOf(const Eigen::MatrixXd& columns, const C
                   .power = share * target.squaredNorm()};
     of_joint.gram(felt, felt) = share * gramOf(all);
     of_joint.right(felt) = share * (all.transpose() * target);
-    of_joint.load =
-        std::max(1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
+    of_joint.load = loadOf(of_joint.power, of_joint.gram.diagonal().head(own));
     sums.push_back(std::move(of_joint));
   }
   return sums;
@@ -182,8 +186,7 @@ std::vector<Reader::Sums> Reader::sumsOfTorque(const Column& torque) const {
     of_joint.right.tail(own_.rubbing.cols()) =
         share * (own_.rubbing.middleRows(joint * rows, rows).transpose() * target);
     of_joint.power = share * target.squaredNorm();
-    of_joint.load =
-        std::max(1e-12, std::sqrt(std::max(of_joint.power, of_joint.gram.diagonal().head(own).maxCoeff())));
+    of_joint.load = loadOf(of_joint.power, of_joint.gram.diagonal().head(own));
   }
   return sums;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -14,6 +15,7 @@ constexpr int kFirstStates = 200;  ///< for each joint
 constexpr int kExchanges = 40;
 constexpr double kNear = 1.02;       ///< bound over what is attained, at which exchanging ends
 constexpr int kDraws = 1500;         ///< for each joint and exchange
+constexpr int kLastLooks = 10;       ///< for the farthest state, once the exchange has ended
 constexpr int kClimbs = 6;           ///< of the best of them
 constexpr double kFirstStep = 0.25;  ///< of a climb, of each range
 constexpr double kLastStep = 1e-3;
@@ -39,14 +41,22 @@ class Search {
       add(drawn());
     }
     BestStates best{.attained = 0.0, .bound = INFINITY};
+    Eigen::VectorXd nearest;
     for (int exchange = 0; exchange < kExchanges && best.bound > kNear * best.attained; ++exchange) {
       best.attained = weigh();
-      const double known = v_.dot(prior_.cwiseProduct(v_));
       const std::vector<Point> climbed = farthest();
-      best.bound = std::min(best.bound, known + farness(climbed.front()));
+      if (const double bound = known() + farness(climbed.front()); bound < best.bound) {
+        best.bound = bound;
+        nearest = v_;
+      }
       for (const Point& point : climbed) {
         add(point);
       }
+    }
+    // The smallest of many bounds is one whose farthest state was perhaps not found.
+    v_ = nearest;
+    for (int look = 0; look < kLastLooks; ++look) {
+      best.bound = std::max(best.bound, known() + farness(farthest().front()));
     }
     return best;
   }
@@ -66,7 +76,7 @@ class Search {
     std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
     std::uniform_int_distribution<int> lot(0, 3);
     for (Eigen::Index k = 0; k < point.size(); ++k) {
-      // The ends of a range, and standing still, tell most.
+      // The ends of a range tell most.
       const int where = lot(random_);
       point[k] = where == 0 ? -1.0 : where == 1 ? 1.0 : anywhere(random_);
     }
@@ -99,6 +109,7 @@ class Search {
     }
   }
 
+  double known() const { return v_.dot(prior_.cwiseProduct(v_)); }
   double farness(const State& state) const { return samples_ * (state.s - state.n * v_).squaredNorm(); }
   double farness(const Point& point) { return farness(at(point)); }
 
@@ -113,7 +124,7 @@ class Search {
         far[i] = farness(states_[i]);
         mean += states_[i].weight * far[i];
       }
-      information = mean + v_.dot(prior_.cwiseProduct(v_));
+      information = mean + known();
       // Weights go with the square root of the directional derivative: a fixed point is the best design.
       double sum = 0.0;
       for (std::size_t i = 0; i < states_.size(); ++i) {
