@@ -305,11 +305,15 @@ void run(const Arguments& a) {
   ResultFolder folder(a.out);
   ProgressLine progress(std::cerr, isatty(STDERR_FILENO) == 1);
   const auto start = std::chrono::steady_clock::now();
-  request.design.progress = [&](double fraction) {
-    if (std::chrono::steady_clock::now() - start > kPatience) {
-      progress.at("planning", fraction);
-    }
+  const auto shown = [&](const char* stage) {
+    return [&, stage](double fraction) {
+      if (std::chrono::steady_clock::now() - start > kPatience) {
+        progress.at(stage, fraction);
+      }
+    };
   };
+  request.design.progress = shown("planning");
+  request.bounding = shown("what any motion could tell");
   const MotionPlan plan = makePlan(request);
   progress.at("drawing", 0.0);
   folder.write({{"reference.toml", planReference(plan, request, origin)},

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/unit/plan/planned_knee.hpp"
+#include "tools/diagnose/plan/best_states.hpp"
 
 using namespace patella;
 using namespace patella::diagnose;
@@ -109,9 +110,21 @@ TEST_CASE("no motion tells more of a rotor than the tolerance of the inertia lea
         doctest::Approx(left_kg_m2).epsilon(0.03));
 }
 
-TEST_CASE("there is no bound for what depends on the past") {
-  CHECK(std::isnan(headroomOf("actuator_lag", swing(0.5))));
-  CHECK(std::isnan(headroomOf("presliding_hysteresis", swing(0.5))));
+TEST_CASE("there is no bound for what depends on time or on the past") {
+  for (const char* effect : {"actuator_lag", "presliding_hysteresis", "tremor", "thermal_drift"}) {
+    CAPTURE(effect);
+    CHECK(std::isnan(headroomOf(effect, swing(0.5))));
+  }
+}
+
+TEST_CASE("where no state tells anything of an effect, the bound is nothing") {
+  const PlanRequest request = test::kneeRequest();
+  const MotionLimits limits = usableLimits(request.limits, 1);
+  MotionColumns columns(request.model,
+                        plannedEffects(std::vector<std::string>{"tremor"}, request.model, limits, 12.0), 0.1);
+  const BestStates best = bestStates(columns, columns.main().front(), std::vector<Eigen::Index>{0},
+                                     std::vector<double>{0.1}, 100.0, limits);
+  CHECK(best.bound == 0.0);
 }
 
 TEST_CASE("effects are named by kind and joint") {

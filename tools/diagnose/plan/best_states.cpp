@@ -44,6 +44,9 @@ class Search {
     Eigen::VectorXd nearest;
     for (int exchange = 0; exchange < kExchanges && best.bound > kNear * best.attained; ++exchange) {
       best.attained = weigh();
+      if (!(best.attained > 0.0)) {
+        return {};
+      }
       const std::vector<Point> climbed = farthest();
       if (const double bound = known() + farness(climbed.front()); bound < best.bound) {
         best.bound = bound;
@@ -130,6 +133,9 @@ class Search {
       for (std::size_t i = 0; i < states_.size(); ++i) {
         states_[i].weight *= std::sqrt(far[i] / std::max(mean, 1e-300));
         sum += states_[i].weight;
+      }
+      if (!(sum > 0.0)) {
+        return 0.0;
       }
       for (State& state : states_) {
         state.weight /= sum;

@@ -24,7 +24,7 @@ struct BestStates {
   double attained = 0.0;  ///< of a distribution that was found; no motion need have it
   double bound = 0.0;
 };
-/// `noise_Nm` of each joint; `samples` N.
+/// `noise_Nm` of each joint; `samples` N. Both are 0 where no state tells anything of the effect.
 BestStates bestStates(MotionColumns& columns, Eigen::Index main, std::span<const Eigen::Index> beside,
                       std::span<const double> noise_Nm, double samples, const MotionLimits& limits);
 

@@ -141,8 +141,8 @@ std::vector<Revealed> Information::revealed(const SampledMotion& motion) {
 }
 
 double Information::headroom(const SampledMotion& motion, const MotionLimits& limits) {
-  const Eigen::MatrixXd remembered = columns_.along(motion) - columns_.along(motion, false);
-  if (remembered.squaredNorm() > 0.0) {
+  const Eigen::MatrixXd beyond_states = columns_.along(motion) - columns_.along(motion, false);
+  if (beyond_states.squaredNorm() > 0.0) {
     return std::nan("");
   }
   std::vector<double> noise_Nm;
@@ -151,7 +151,8 @@ double Information::headroom(const SampledMotion& motion, const MotionLimits& li
   }
   const double samples = kIndependent_Hz * motion.step_s * static_cast<double>(motion.q.rows());
   const BestStates best = bestStates(columns_, columns_.main().front(), beside(0), noise_Nm, samples, limits);
-  return std::sqrt(best.bound / std::max(left(partsOf(motion).gram, 0), 1e-300));
+  const double own = left(partsOf(motion).gram, 0);
+  return own > 0.0 ? std::sqrt(best.bound / own) : std::nan("");
 }
 
 }  // namespace patella::diagnose

@@ -52,7 +52,8 @@ class Information {
   std::vector<Revealed> revealed(const SampledMotion& motion);
 
   /// How many times smaller sizes of the first effect the best motion of this duration within the limits
-  /// could reveal, at most; not a number for an effect with a memory.
+  /// could reveal, at most. Not a number for an effect that depends on time or on the past, nor where the
+  /// motion tells nothing of it.
   double headroom(const SampledMotion& motion, const MotionLimits& limits);
 
  private:

@@ -98,13 +98,13 @@ Eigen::MatrixXd MotionColumns::at(const JointVector& q, const JointVector& dq, c
   return columns;
 }
 
-Eigen::MatrixXd MotionColumns::along(const SampledMotion& motion, bool remembering) {
+Eigen::MatrixXd MotionColumns::along(const SampledMotion& motion, bool in_order) {
   const Eigen::Index rows = motion.q.rows(), joints = motion.q.cols();
   Eigen::MatrixXd columns(rows * joints, count());
   for (Eigen::Index i = 0; i < rows; ++i) {
     const Eigen::MatrixXd instant =
         at(motion.q.row(i).transpose(), motion.dq.row(i).transpose(), motion.ddq.row(i).transpose(),
-           static_cast<double>(i) * motion.step_s, i == 0 || !remembering ? 0.0 : motion.step_s);
+           in_order ? static_cast<double>(i) * motion.step_s : 0.0, in_order && i > 0 ? motion.step_s : 0.0);
     for (Eigen::Index j = 0; j < joints; ++j) {
       columns.row(j * rows + i) = instant.row(j);
     }

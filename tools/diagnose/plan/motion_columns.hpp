@@ -36,8 +36,9 @@ class MotionColumns {
   /// One row for each joint, at the instants of a motion in their order; `step_s` is 0 at the first of them.
   Eigen::MatrixXd at(const JointVector& q, const JointVector& dq, const JointVector& ddq, double time_s,
                      double step_s);
-  /// The rows of joint 1, then those of joint 2. `remembering`: effects with a memory have their past.
-  Eigen::MatrixXd along(const SampledMotion& motion, bool remembering = true);
+  /// The rows of joint 1, then those of joint 2. Not `in_order`: each state by itself, without past and at
+  /// time 0.
+  Eigen::MatrixXd along(const SampledMotion& motion, bool in_order = true);
 
  private:
   model::DynamicsModel bare_, whole_;

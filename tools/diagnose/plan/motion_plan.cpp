@@ -43,6 +43,9 @@ MotionPlan makePlan(const PlanRequest& request) {
     return std::tie(b.share_of_torque, a.kind, a.joint) < std::tie(a.share_of_torque, b.kind, b.joint);
   });
   for (const Revealed& revealed : plan.revealed) {
+    if (request.bounding) {
+      request.bounding(static_cast<double>(plan.headroom.size()) / static_cast<double>(effects.size()));
+    }
     const auto effect = std::find_if(effects.begin(), effects.end(), [&](const PlannedEffect& one) {
       return one.recipe->kind == revealed.kind && one.recipe->joint == revealed.joint;
     });

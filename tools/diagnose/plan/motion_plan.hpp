@@ -1,6 +1,7 @@
 // A plan: the motion that makes named effects, or all parameters, identifiable, and what it would reveal.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@ struct PlanRequest {
   double nominal_tolerance = runaway::kTolerance;
   PlanTiming timing;
   DesignOptions design;
+  std::function<void(double fraction)> bounding{};  ///< progress of the headroom's search; may be empty
 };
 
 struct MotionPlan {
