@@ -95,7 +95,8 @@ class Search {
       dq[j] = limit.speed_rad_s * point[joints_ + j];
       torque_Nm[j] = limit.torque_Nm * point[2 * joints_ + j];
     }
-    const Eigen::MatrixXd rows = columns_.at(q, dq, columns_.acceleration(q, dq, torque_Nm), 0.0, 0.0);
+    const Eigen::MatrixXd rows =
+        columns_.at(q, dq, columns_.torque().acceleration(q, dq, torque_Nm), 0.0, 0.0);
     State state{.s = rows.col(main_), .n = rows(Eigen::all, beside_)};
     for (Eigen::Index j = 0; j < joints_; ++j) {
       state.s[j] /= noise_Nm_[static_cast<std::size_t>(j)];

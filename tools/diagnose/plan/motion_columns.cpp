@@ -34,7 +34,6 @@ double largestSize(const PlannedEffect& effect) {
 MotionColumns::MotionColumns(const model::ModelDescription& model, std::vector<PlannedEffect> effects,
                              double tolerance)
     : bare_(model::makeModel({.mechanism = model.mechanism, .effects = {}})),
-      whole_(model::makeModel(model)),
       torque_(model),
       effects_(std::move(effects)) {
   const model::BaseParameters nominal = bare_.mechanism().baseParameters();
@@ -70,14 +69,6 @@ MotionColumns::MotionColumns(const model::ModelDescription& model, std::vector<P
     companions_.push_back(static_cast<Eigen::Index>(prior.size()) - main_.back() - 1);
   }
   prior_ = Eigen::Map<const Eigen::VectorXd>(prior.data(), static_cast<Eigen::Index>(prior.size()));
-}
-
-JointVector MotionColumns::acceleration(const JointVector& q, const JointVector& dq,
-                                        const JointVector& torque_Nm) {
-  const model::EffectInput input{.q = q, .dq = dq, .torque_Nm = torque_Nm};
-  whole_.reset(input);
-  const model::ModelTerms terms = whole_.evaluate(input);
-  return terms.inverse_inertia * torque_Nm + terms.f;
 }
 
 Eigen::MatrixXd MotionColumns::at(const JointVector& q, const JointVector& dq, const JointVector& ddq,

@@ -30,8 +30,6 @@ class MotionColumns {
   /// 1 / variance of each column's size that is known beforehand.
   const Eigen::VectorXd& prior() const noexcept { return prior_; }
   TorqueAlong& torque() noexcept { return torque_; }
-  /// That the model has under a torque, rad/s².
-  JointVector acceleration(const JointVector& q, const JointVector& dq, const JointVector& torque_Nm);
 
   /// One row for each joint, at the instants of a motion in their order; `step_s` is 0 at the first of them.
   Eigen::MatrixXd at(const JointVector& q, const JointVector& dq, const JointVector& ddq, double time_s,
@@ -41,7 +39,7 @@ class MotionColumns {
   Eigen::MatrixXd along(const SampledMotion& motion, bool in_order = true);
 
  private:
-  model::DynamicsModel bare_, whole_;
+  model::DynamicsModel bare_;
   TorqueAlong torque_;
   std::vector<PlannedEffect> effects_;
   /// One for each basis term of an effect, planned or declared; made once, since makeEffect allocates.

@@ -84,6 +84,14 @@ JointVector TorqueAlong::at(const JointVector& q, const JointVector& dq, const J
   return dynamics_.inverseDynamics(input, ddq);
 }
 
+JointVector TorqueAlong::acceleration(const JointVector& q, const JointVector& dq,
+                                      const JointVector& torque_Nm) {
+  const model::EffectInput input{.q = q, .dq = dq, .torque_Nm = torque_Nm};
+  dynamics_.reset(input);
+  const model::ModelTerms terms = dynamics_.evaluate(input);
+  return terms.inverse_inertia * torque_Nm + terms.f;
+}
+
 double EndPointAlong::shareAt(const model::Mechanism& mechanism, const Reach& reach, const JointVector& q) {
   const Jacobian jacobian = mechanism.jacobian(q);
   if (calls_ == 0) {

@@ -57,6 +57,8 @@ class TorqueAlong {
   /// To be called for the instants of a motion in the order of time, `first` for the first of them.
   JointVector at(const JointVector& q, const JointVector& dq, const JointVector& ddq, double time_s,
                  bool first);
+  /// The other way round, of a state without a past: acceleration under a torque in N·m, rad/s².
+  JointVector acceleration(const JointVector& q, const JointVector& dq, const JointVector& torque_Nm);
 
  private:
   model::DynamicsModel dynamics_;
