@@ -66,10 +66,13 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--blend", a.timing.blend_s, "s in which the motion takes over from the start")
       ->check(options::numberFrom(boundOf("reference.blend_s").minimum, boundOf("reference.blend_s").maximum))
       ->capture_default_str();
-  app.add_option("--harmonics", a.timing.harmonics, "sines of each joint")
+  app.add_option(
+         "--harmonics", a.timing.harmonics,
+         fmt::format(
+             "sines of each joint; as many as there are up to --highest, but {} at most, unless given",
+             kUsualHarmonics))
       ->check(
-          patella::options::wholeNumberFrom(1, static_cast<int>(control::MultisineMotion::kMaxComponents)))
-      ->capture_default_str();
+          patella::options::wholeNumberFrom(1, static_cast<int>(control::MultisineMotion::kMaxComponents)));
   app.add_option("--highest", a.timing.highest_Hz, "Hz of the fastest sine")
       ->check(options::numberFrom(0.05, boundOf("reference.joint.frequency_Hz").maximum))
       ->capture_default_str();

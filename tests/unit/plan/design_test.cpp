@@ -26,6 +26,17 @@ TEST_CASE("joints of a motion have harmonics of one period, each once") {
   CHECK(two[0] != two[1]);
 }
 
+TEST_CASE("a motion has as many harmonics as its period holds, up to the usual number") {
+  CHECK(harmonicsOf({.duration_s = 10.0, .blend_s = 2.0, .highest_Hz = 2.0}, 2)[1].size() == 8);
+  CHECK(harmonicsOf({.duration_s = 20.0, .blend_s = 2.0, .highest_Hz = 2.0}, 1)[0].size() == 18);
+  CHECK(harmonicsOf({.duration_s = 60.0, .blend_s = 2.0, .highest_Hz = 2.0}, 1)[0].size() == kUsualHarmonics);
+  CHECK_THROWS_WITH_AS(
+      harmonicsOf({.duration_s = 3.0, .blend_s = 2.0, .highest_Hz = 1.0}, 1),
+      "--duration: value 3 s with --blend 2 s, expected at least 4 s: 2 periods of 1 s after the blend, in "
+      "which --harmonics 1 fit up to --highest 1 Hz",
+      std::invalid_argument);
+}
+
 TEST_CASE("a period that is too short for its harmonics is refused") {
   CHECK_THROWS_WITH_AS(
       harmonicsOf({.duration_s = 6.0, .blend_s = 2.0, .harmonics = 6, .highest_Hz = 1.0}, 1),

@@ -84,6 +84,29 @@ TEST_CASE("a rotor on one joint shows beyond the tolerance of its inertia only")
   CHECK(revealedOf("rotor_inertia", swing(0.5), 1e-4).smallest_size > 0.1 * 0.35);
 }
 
+TEST_CASE("a joint that dry friction holds tells nothing while it rests") {
+  SampledMotion rests = swing(0.5);
+  constexpr Eigen::Index kMoving = 600;
+  const Eigen::Index at_rest = rests.q.rows() - kMoving;
+  rests.q.bottomRows(at_rest).setConstant(-0.4);
+  rests.dq.bottomRows(at_rest).setZero();
+  rests.ddq.bottomRows(at_rest).setZero();
+  SampledMotion moves = rests;
+  moves.q.conservativeResize(kMoving, 1);
+  moves.dq.conservativeResize(kMoving, 1);
+  moves.ddq.conservativeResize(kMoving, 1);
+  const auto spring = [](const SampledMotion& motion, bool rubs) {
+    PlanRequest request = test::kneeRequest();
+    if (rubs) {
+      request.model.effects = {{.kind = "coulomb_friction", .joint = 0, .parameters = {2.0, 0.01}}};
+    }
+    return revealedBy(request, motion).front().smallest_size;
+  };
+  // The rest is at a place of its own, far from where the joint moves, which tells a spring from gravity.
+  CHECK(spring(rests, false) < 0.7 * spring(moves, false));
+  CHECK(spring(rests, true) == doctest::Approx(spring(moves, true)).epsilon(0.05));
+}
+
 TEST_CASE("no motion tells more of viscous friction than one at the highest speed") {
   const SampledMotion motion = swing(0.5);
   const double highest_rad_s = 0.75 * 4.0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -35,12 +36,28 @@ double meanLogarithm(const std::vector<Revealed>& all) {
   return sum / static_cast<double>(all.size());
 }
 
-std::vector<Revealed> bestSine(const PlanRequest& request) {
+void addFriction(Machine& machine, double share) {
+  for (int j = 0; j < machine.nominal.joints(); ++j) {
+    constexpr double kSmoothing_rad_s = 0.01;
+    const double level_Nm = share * machine.limits.joint[static_cast<std::size_t>(j)].torque_Nm;
+    const model::EffectDescription friction{
+        .kind = "coulomb_friction", .joint = j, .parameters = {level_Nm, kSmoothing_rad_s}};
+    machine.nominal.effects.push_back(friction);
+    machine.truth.effects.push_back(friction);
+  }
+}
+
+struct Sine {
+  std::vector<Revealed> revealed;
+  SampledMotion motion;
+};
+
+Sine bestSine(const PlanRequest& request) {
   const int joints = request.model.joints();
   const MotionLimits limits = usableLimits(request.limits, joints);
   const std::vector<std::vector<double>> frequency_Hz(static_cast<std::size_t>(joints), {kSine_Hz});
   MotionFamily family(request.timing, frequency_Hz, limits, {}, request.start_rad, request.model);
-  std::vector<Revealed> best;
+  Sine best;
   double lowest = std::numeric_limits<double>::infinity();
   constexpr int kPhases = 4, kSizes = 10;
   for (int phase = 0; phase < (joints > 1 ? kPhases : 1); ++phase) {
@@ -55,14 +72,15 @@ std::vector<Revealed> bestSine(const PlanRequest& request) {
     for (int size = 1; largest && size <= kSizes; ++size) {
       FourierMotion motion = *largest;
       motion.amplitude_rad *= static_cast<double>(size) / kSizes;
-      const std::vector<Revealed> revealed = revealedBy(request, family.sampled(motion));
-      if (const double mean = meanLogarithm(revealed); mean < lowest) {
+      Sine sine{.revealed = {}, .motion = family.sampled(motion)};
+      sine.revealed = revealedBy(request, sine.motion);
+      if (const double mean = meanLogarithm(sine.revealed); mean < lowest) {
         lowest = mean;
-        best = revealed;
+        best = std::move(sine);
       }
     }
   }
-  if (best.empty()) {
+  if (best.revealed.empty()) {
     throw std::runtime_error("no sine fits the limits");
   }
   return best;
@@ -70,7 +88,10 @@ std::vector<Revealed> bestSine(const PlanRequest& request) {
 
 }  // namespace
 
-Comparison compare(const Machine& machine, const CompareOptions& options) {
+Comparison compare(Machine machine, const CompareOptions& options) {
+  if (options.dry_friction > 0.0) {
+    addFriction(machine, options.dry_friction);
+  }
   PlanRequest request;
   request.model = machine.nominal;
   request.limits = machine.limits;
@@ -84,9 +105,9 @@ Comparison compare(const Machine& machine, const CompareOptions& options) {
   request.timing.duration_s = options.duration_s;
   request.design.evaluations = options.evaluations;
   request.design.seed = options.seed;
-  const std::vector<Revealed> sine = bestSine(request);
+  const Sine sine = bestSine(request);
   const Revealed& least = *std::max_element(
-      sine.begin(), sine.end(),
+      sine.revealed.begin(), sine.revealed.end(),
       [](const Revealed& a, const Revealed& b) { return a.share_of_torque < b.share_of_torque; });
   request.effects = {fmt::format("{}@{}", least.kind, least.joint + 1)};
   const auto start = std::chrono::steady_clock::now();
@@ -96,7 +117,7 @@ Comparison compare(const Machine& machine, const CompareOptions& options) {
   comparison.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Revealed& planned = plan.revealed.front();
   comparison.effect = request.effects.front();
-  comparison.sine = sizeOf(least);
+  comparison.sine = sizeOf(revealedBy(request, sine.motion).front());
   comparison.headroom = plan.headroom.front();
   comparison.planned = sizeOf(planned);
   std::vector<model::EffectDescription> hidden;

@@ -29,6 +29,8 @@ struct Comparison {
 struct CompareOptions {
   double duration_s = 20.0;
   double nominal_tolerance = 0.1;
+  /// Share of each joint's torque limit with which dry friction acts, as the model says; it holds joints.
+  double dry_friction = 0.0;
   int evaluations = 4000;
   std::uint64_t seed = 1;
 };
@@ -37,6 +39,6 @@ struct CompareOptions {
 /// neighbouring joints (quarters of a turn) with the lowest geometric mean of the sizes of the effects that
 /// are looked at. Planned for is the one of these that even this sine shows least, by the share of the
 /// joint's torque that it takes.
-Comparison compare(const Machine& machine, const CompareOptions& options);
+Comparison compare(Machine machine, const CompareOptions& options);
 
 }  // namespace patella::bench

@@ -22,6 +22,7 @@ using namespace patella::bench;
 
 struct Options {
   std::size_t machines = 50;
+  std::size_t first = 1;
   std::uint64_t seed = 1;
   unsigned threads = 2;
   CompareOptions compare;
@@ -47,7 +48,7 @@ struct Factors {
   }
 };
 
-void print(const std::vector<Comparison>& all) {
+void print(const std::vector<Comparison>& all, std::size_t first) {
   std::cout
       << "| no | machine | effect | sine | planned | factor | at most | range, speed, torque in % | s |\n"
          "|---|---|---|---|---|---|---|---|---|\n";
@@ -57,7 +58,7 @@ void print(const std::vector<Comparison>& all) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Comparison& one = all[i];
     std::cout << fmt::format(
-        "| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.0f}, {:.0f}, {:.0f} | {:.1f} |\n", i + 1,
+        "| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.0f}, {:.0f}, {:.0f} | {:.1f} |\n", first + i,
         one.machine, one.effect, one.sine, one.planned, one.factor(), one.possible(), 100.0 * one.taken.range,
         100.0 * one.taken.speed, 100.0 * one.taken.torque, one.seconds);
     for (const std::string& group :
@@ -90,12 +91,19 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
   app.add_option("--machines", options.machines, "number of drawn machines")
       ->check(patella::options::wholeNumberFrom(1, 100000))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the first machine")->capture_default_str();
+  app.add_option("--first", options.first, "number of the first of them")
+      ->check(patella::options::wholeNumberFrom(1, 100000))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "of machine 1")->capture_default_str();
   app.add_option("--threads", options.threads, "at once")
       ->check(patella::options::wholeNumberFrom(1, 256))
       ->capture_default_str();
   app.add_option("--duration", options.compare.duration_s, "s of motion")
       ->check(patella::options::numberFrom(8.0, 120.0))
+      ->capture_default_str();
+  app.add_option("--dry-friction", options.compare.dry_friction,
+                 "of each joint, declared in its model, as a share of its torque limit")
+      ->check(patella::options::numberFrom(0.0, 0.2))
       ->capture_default_str();
   app.add_option("--evaluations", options.compare.evaluations, "motions that each search looks at")
       ->check(patella::options::wholeNumberFrom(100, 1000000))
@@ -110,11 +118,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): ends it
     std::mutex mutex;
     std::size_t done = 0;
     inParallel(options.threads, options.machines, [&](std::size_t i) {
-      all[i] = compare(drawMachine(options.seed * 1000 + i), options.compare);
+      all[i] = compare(drawMachine(options.seed * 1000 + options.first - 1 + i), options.compare);
       const std::lock_guard lock(mutex);
       std::fprintf(stderr, "%zu of %zu: %s, factor %.3g\n", ++done, options.machines, all[i].machine.c_str(),
                    all[i].factor());
     });
-    print(all);
+    print(all, options.first);
   });
 }

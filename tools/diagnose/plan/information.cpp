@@ -4,11 +4,14 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include <Eigen/Dense>
 
 #include "tools/diagnose/plan/best_states.hpp"
+#include "tools/diagnose/regression/resting.hpp"
 #include "tools/diagnose/verdict/power.hpp"
 
 namespace patella::diagnose {
@@ -32,6 +35,50 @@ Eigen::MatrixXd schur(const Eigen::MatrixXd& whole, const std::vector<Eigen::Ind
   return own - across.transpose() * others.ldlt().solve(across);
 }
 
+// Friction that has a level holds a joint with any torque below it.
+bool holdsAtRest(std::string_view kind) {
+  const auto& parameters = model::findEffect(kind)->parameters;
+  return std::any_of(parameters.begin(), parameters.end(),
+                     [](const auto& parameter) { return parameter.name.starts_with("level"); });
+}
+
+std::vector<RestingJoint> heldAtRest(const model::ModelDescription& model,
+                                     std::span<const PlannedEffect> planned) {
+  std::set<int> joints;
+  for (const model::EffectDescription& declared : model.effects) {
+    if (holdsAtRest(declared.kind)) {
+      joints.insert(declared.joint);
+    }
+  }
+  for (const PlannedEffect& effect : planned) {
+    if (holdsAtRest(effect.recipe->kind)) {
+      joints.insert(effect.recipe->joint);
+    }
+  }
+  std::vector<RestingJoint> held;
+  for (const int joint : joints) {
+    held.push_back({.joint = joint});
+  }
+  return held;
+}
+
+// Of each instant, as a diagnosis has them.
+Eigen::VectorXd weightsOf(const SampledMotion& motion, std::span<const RestingJoint> held) {
+  if (held.empty()) {
+    return Eigen::VectorXd::Ones(motion.q.rows());
+  }
+  Series series;
+  series.rate_Hz = 1.0 / motion.step_s;
+  for (Eigen::Index i = 0; i < motion.q.rows(); ++i) {
+    model::EffectInput state;
+    state.q = motion.q.row(i).transpose();
+    state.dq = motion.dq.row(i).transpose();
+    series.states.push_back(state);
+  }
+  const std::vector<double> weights = weightsInMotion(series, held);
+  return Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
+}
+
 }  // namespace
 
 struct Information::Parts {
@@ -41,15 +88,19 @@ struct Information::Parts {
 
 Information::Information(const model::ModelDescription& model, std::vector<PlannedEffect> effects,
                          const InformationOptions& options)
-    : options_(options), columns_(model, std::move(effects), options.nominal_tolerance) {}
+    : options_(options),
+      columns_(model, std::move(effects), options.nominal_tolerance),
+      held_at_rest_(heldAtRest(model, columns_.effects())) {}
 
 Information::Parts Information::partsOf(const SampledMotion& motion) {
   Eigen::MatrixXd columns = columns_.along(motion);
   const Eigen::Index rows = motion.q.rows(), joints = motion.q.cols(), count = columns_.count();
+  const Eigen::ArrayXd weight = weightsOf(motion, held_at_rest_).cwiseSqrt();
   Parts parts{.gram = Eigen::MatrixXd::Zero(count, count), .plain = Eigen::MatrixXd(joints, count)};
   for (Eigen::Index j = 0; j < joints; ++j) {
     auto own = columns.middleRows(j * rows, rows);
     parts.plain.row(j) = own.colwise().squaredNorm() / static_cast<double>(rows);
+    own.array().colwise() *= weight;
     own *= std::sqrt(kIndependent_Hz * motion.step_s) / options_.noise[static_cast<std::size_t>(j)].noise_Nm;
   }
   parts.gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());

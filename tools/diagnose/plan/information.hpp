@@ -13,6 +13,7 @@
 #include "tools/diagnose/plan/motion_columns.hpp"
 #include "tools/diagnose/plan/motion_family.hpp"
 #include "tools/diagnose/plan/planned_effects.hpp"
+#include "tools/diagnose/regression/dataset.hpp"
 #include "tools/diagnose/result/diagnosis.hpp"
 #include "tools/diagnose/thresholds.hpp"
 
@@ -37,6 +38,8 @@ struct InformationOptions {
 
 class Information {
  public:
+  /// A joint whose dry friction is declared or planned for is held by it while it rests: such instants count
+  /// nothing, as in a diagnosis (stickingJoints of fit/sticking.hpp).
   Information(const model::ModelDescription& model, std::vector<PlannedEffect> effects,
               const InformationOptions& options);
 
@@ -66,6 +69,7 @@ class Information {
 
   InformationOptions options_;
   MotionColumns columns_;
+  std::vector<RestingJoint> held_at_rest_;
 };
 
 }  // namespace patella::diagnose

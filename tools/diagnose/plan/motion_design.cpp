@@ -3,22 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <random>
 #include <stdexcept>
 #include <utility>
+
+#include "sim/random.hpp"
+#include "tools/diagnose/plan/staircase.hpp"
 
 namespace patella::diagnose {
 namespace {
 
-/// A tenth of the evaluations looks for starts; the best of them share six tenths, and the best of those
-/// goes on with the rest.
-constexpr double kLooking = 0.1;
+/// Share of the evaluations that looks for starts. The best of them share the next, staircases varied as
+/// such, and the amplitudes of the best of those are varied for the rest.
+constexpr double kLooking = 0.2;
 constexpr double kClimbing = 0.6;
+/// Share of the starts that are staircases.
+constexpr double kStaircases = 0.5;
 constexpr int kClimbed = 4;
 /// Steps of an evolution strategy: larger after a success, smaller after a failure, so that one in five
 /// succeeds (Rechenberg 1973; Kern et al. 2004, Natural Computing 3, 77–112).
 constexpr double kFirstStep = 0.3;
+constexpr double kLastStep = 0.1;
 constexpr double kGrowth = 1.5;
 constexpr double kSmallestStep = 1e-3;
 /// One in two steps moves one joint only.
@@ -29,21 +33,9 @@ constexpr double kResolution = 1e-5;
 constexpr double kShrink = 0.99;
 constexpr int kMostShrinks = 60;
 
-// The standard fixes its generators, but not its distributions.
-class Normal {
- public:
-  explicit Normal(std::uint64_t seed) : generator_(seed) {}
-  double uniform() { return static_cast<double>(generator_() >> 11U) * 0x1p-53; }
-  double operator()() {
-    return std::sqrt(-2.0 * std::log(1.0 - uniform())) * std::cos(2.0 * std::numbers::pi * uniform());
-  }
-
- private:
-  std::mt19937_64 generator_;
-};
-
 struct Climber {
-  Eigen::VectorXd point;
+  Eigen::VectorXd point;             ///< of the family
+  std::vector<Staircase> staircase;  ///< of each joint, as long as the point is made of them
   double value = -std::numeric_limits<double>::infinity();
   double step = kFirstStep;
 };
@@ -51,7 +43,7 @@ struct Climber {
 class Search {
  public:
   Search(MotionFamily& family, Information& information, const DesignOptions& options)
-      : family_(family), information_(information), options_(options), normal_(options.seed) {}
+      : family_(family), information_(information), options_(options), random_(options.seed) {}
 
   Climber best() {
     const auto count = [&](double share) {
@@ -73,10 +65,13 @@ class Search {
     for (Climber& climber : climbers) {
       climb(climber, count(kClimbing) / kClimbed);
     }
-    auto highest = std::max_element(climbers.begin(), climbers.end(),
-                                    [](const Climber& a, const Climber& b) { return a.value < b.value; });
-    climb(*highest, options_.evaluations - used_);
-    return *highest;
+    Climber& highest =
+        *std::max_element(climbers.begin(), climbers.end(),
+                          [](const Climber& a, const Climber& b) { return a.value < b.value; });
+    highest.staircase.clear();
+    highest.step = kLastStep;
+    climb(highest, options_.evaluations - used_);
+    return highest;
   }
 
   double first() const noexcept { return first_; }
@@ -107,16 +102,30 @@ class Search {
     }
   }
 
+  auto amplitudes(Eigen::VectorXd& point, int joint) const {
+    return point.segment(family_.firstAmplitude(joint), family_.numbersOfJoint() - 2);
+  }
+
+  void place(const Staircase& staircase, int joint, Eigen::VectorXd& point) const {
+    amplitudes(point, joint) = staircase.shape(family_.periods(joint));
+  }
+
   Climber drawn() {
-    Climber climber{.point = Eigen::VectorXd(family_.dimensions())};
+    Climber climber{.point = Eigen::VectorXd(family_.dimensions()), .staircase = {}};
+    const bool stays = random_.uniform() < kStaircases;
     for (int j = 0; j < family_.joints(); ++j) {
       const Eigen::Index first = j * family_.numbersOfJoint();
-      climber.point[first] = 2.0 * normal_.uniform() - 1.0;
+      climber.point[first] = 2.0 * random_.uniform() - 1.0;
       climber.point[first + 1] = 1.0;
-      const Eigen::Index harmonics = (family_.numbersOfJoint() - 2) / 2;
-      for (Eigen::Index k = 0; k < 2 * harmonics; ++k) {
+      if (stays) {
+        climber.staircase.push_back(Staircase::drawn(family_.periods(j).maxCoeff(), random_));
+        place(climber.staircase.back(), j, climber.point);
+        continue;
+      }
+      auto shape = amplitudes(climber.point, j);
+      for (Eigen::Index k = 0; k < shape.size(); ++k) {
         // Fast parts of large amplitude would take all of the speed.
-        climber.point[family_.firstAmplitude(j) + k] = normal_() / static_cast<double>(1 + k % harmonics);
+        shape[k] = random_.gaussian() / static_cast<double>(1 + k % (shape.size() / 2));
       }
     }
     normalise(climber.point);
@@ -124,32 +133,46 @@ class Search {
     return climber;
   }
 
+  Climber nearby(const Climber& climber) {
+    Climber other = climber;
+    const bool whole = random_.uniform() < kWholeSteps;
+    const int moved = static_cast<int>(random_.uniform() * family_.joints());
+    const double size = climber.step / std::sqrt(static_cast<double>(family_.numbersOfJoint()));
+    for (int j = 0; j < family_.joints(); ++j) {
+      if (!whole && j != moved) {
+        continue;
+      }
+      auto numbers = other.point.segment(j * family_.numbersOfJoint(), family_.numbersOfJoint());
+      for (double& number : numbers) {
+        number += size * random_.gaussian();
+      }
+      if (!climber.staircase.empty()) {
+        Staircase& staircase = other.staircase[static_cast<std::size_t>(j)];
+        staircase = staircase.varied(climber.step, random_);
+        place(staircase, j, other.point);
+      }
+    }
+    normalise(other.point);
+    other.value = valueOf(other.point);
+    return other;
+  }
+
   void climb(Climber& climber, int evaluations) {
     for (int i = 0; i < evaluations && used_ < options_.evaluations; ++i) {
-      Eigen::VectorXd point = climber.point;
-      const bool whole = normal_.uniform() < kWholeSteps;
-      const int joint = static_cast<int>(normal_.uniform() * family_.joints());
-      const double size = climber.step / std::sqrt(static_cast<double>(family_.numbersOfJoint()));
-      for (Eigen::Index k = 0; k < point.size(); ++k) {
-        const double away = normal_();
-        point[k] += whole || k / family_.numbersOfJoint() == joint ? size * away : 0.0;
+      const double step = climber.step;
+      Climber other = nearby(climber);
+      const bool higher = other.value > climber.value;
+      if (higher) {
+        climber = std::move(other);
       }
-      normalise(point);
-      const double value = valueOf(point);
-      if (value > climber.value) {
-        climber.point = point;
-        climber.value = value;
-        climber.step *= kGrowth;
-      } else {
-        climber.step = std::max(kSmallestStep, climber.step * std::pow(kGrowth, -0.25));
-      }
+      climber.step = higher ? step * kGrowth : std::max(kSmallestStep, step * std::pow(kGrowth, -0.25));
     }
   }
 
   MotionFamily& family_;
   Information& information_;
   const DesignOptions& options_;
-  Normal normal_;
+  sim::Random random_;
   int used_ = 0;
   double first_ = std::nan("");
 };

@@ -19,6 +19,10 @@ constexpr double kNothing = 1e-9;
 /// Frequencies are written with so many digits. Within a minute a phase is off by 0.02 rad for it.
 constexpr double kFrequencyStep_Hz = 1e-4;
 
+double periodOf_s(const PlanTiming& timing) {
+  return (timing.duration_s - timing.blend_s) / kPeriods;
+}
+
 // Minimum jerk, as the loop's reference blends (core/control/reference_trajectory.cpp). The loop's own is
 // what a plan is checked with in the end.
 struct Blend {
@@ -33,26 +37,27 @@ Blend blendAt(double t_s, double blend_s) {
 }  // namespace
 
 std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joints) {
-  const double period_s = (timing.duration_s - timing.blend_s) / kPeriods;
+  const double period_s = periodOf_s(timing);
   const auto highest = static_cast<int>(std::floor(timing.highest_Hz * period_s + kNothing));
-  if (highest < timing.harmonics) {
-    const double least_s = timing.harmonics / timing.highest_Hz;
+  const int harmonics = timing.harmonics.value_or(std::clamp(highest, 1, kUsualHarmonics));
+  if (highest < harmonics) {
+    const double least_s = harmonics / timing.highest_Hz;
     throw std::invalid_argument(fmt::format(
         "--duration: value {} s with --blend {} s, expected at least {:.4g} s: {} periods of {:.4g} s after "
         "the blend, in which --harmonics {} fit up to --highest {} Hz",
-        timing.duration_s, timing.blend_s, timing.blend_s + kPeriods * least_s, kPeriods, least_s,
-        timing.harmonics, timing.highest_Hz));
+        timing.duration_s, timing.blend_s, timing.blend_s + kPeriods * least_s, kPeriods, least_s, harmonics,
+        timing.highest_Hz));
   }
-  const double steps = std::max(1.0, static_cast<double>(timing.harmonics * joints - 1));
+  const double steps = std::max(1.0, static_cast<double>(harmonics * joints - 1));
   std::vector<std::vector<double>> all;
   for (int j = 0; j < joints; ++j) {
     std::vector<double> own;
     int last = 0;
-    for (int k = 0; k < timing.harmonics; ++k) {
+    for (int k = 0; k < harmonics; ++k) {
       const double place = static_cast<double>(k * joints + j) / steps;
       const auto wanted = static_cast<int>(std::lround(std::pow(static_cast<double>(highest), place)));
       // As many have to find room above it as follow.
-      last = std::clamp(wanted, last + 1, highest - (timing.harmonics - 1 - k));
+      last = std::clamp(wanted, last + 1, highest - (harmonics - 1 - k));
       own.push_back(std::round(last / period_s / kFrequencyStep_Hz) * kFrequencyStep_Hz);
     }
     all.push_back(std::move(own));
@@ -99,6 +104,10 @@ MotionFamily::MotionFamily(const PlanTiming& timing, std::vector<std::vector<dou
     }
     wave_.push_back(std::move(wave));
   }
+}
+
+Eigen::VectorXd MotionFamily::periods(int joint) const {
+  return omega_[static_cast<std::size_t>(joint)] * (periodOf_s(timing_) / (2.0 * std::numbers::pi));
 }
 
 // Position and speed of a joint are its own, and go with its amplitudes, so that both are met at once.

@@ -18,16 +18,20 @@ namespace patella::diagnose {
 /// last part of its recording, which has to look like the part that was fitted.
 inline constexpr int kPeriods = 2;
 
+/// With as many a joint can stay at a place for a tenth of a period, and be at another one in as long.
+inline constexpr int kUsualHarmonics = 18;
+
 struct PlanTiming {
   double duration_s = 20.0;  ///< from activation, the blend included
   double blend_s = 2.0;
-  int harmonics = 6;        ///< of each joint
+  /// Of each joint; without a number as many as there are in a period, kUsualHarmonics at most.
+  std::optional<int> harmonics{};
   double highest_Hz = 2.0;  ///< of a harmonic
 };
 
-/// Harmonics of the period, (duration − blend) / kPeriods, for each joint, even in the logarithm from one a
-/// period to highest_Hz. Those of the joints lie between each other as far as there are enough: joints that
-/// share no frequency are told apart. Throws std::invalid_argument where the period holds too few.
+/// Frequencies of each joint, multiples of one a period, (duration − blend) / kPeriods: even in the logarithm
+/// up to highest_Hz, those of the joints between each other as far as there are enough. Throws
+/// std::invalid_argument where the period holds too few.
 std::vector<std::vector<double>> harmonicsOf(const PlanTiming& timing, int joints);
 
 struct SampledMotion {
@@ -52,6 +56,8 @@ class MotionFamily {
   /// Numbers of a point: for each joint where it swings within its range, how far, and its amplitudes.
   Eigen::Index dimensions() const noexcept { return joints() * numbersOfJoint(); }
   Eigen::Index numbersOfJoint() const noexcept { return 2 + 2 * harmonics_; }
+  /// Frequencies of a joint, 1/period.
+  Eigen::VectorXd periods(int joint) const;
   /// Amplitudes of a joint in a point, of which only the proportions count.
   Eigen::Index firstAmplitude(int joint) const noexcept { return joint * numbersOfJoint() + 2; }
 
