@@ -39,6 +39,24 @@ TEST_CASE("dry friction that turns round slowly is one friction of its level") {
   }
 }
 
+TEST_CASE("how friction turns round is told beside a spring that is missing as well") {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    CAPTURE(seed);
+    ModelDescription truth = rubbing(0.5, 0.02);
+    truth.effects.push_back({.kind = "linear_stiffness", .joint = 0, .parameters = {8.0, 0.1}});
+    const Recording recording = moved(truth, 30.0, 0.005, 0.5, seed);
+    const Dataset data(std::span(&recording, 1), {});
+    ModelFitter fitter(data, arm(), {});
+    const ModelFit nominal = fitter.nominal();
+    CHECK(frictionSmoothing(fitter, nominal)[0] == doctest::Approx(0.02).epsilon(0.3));
+    const Diagnosis diagnosis = diagnosed(recording, arm());
+    REQUIRE(diagnosis.effects.size() == 2);
+    CHECK(diagnosis.effects.front().kind == "linear_stiffness");
+    CHECK(diagnosis.effects.back().kind == "coulomb_friction");
+    CHECK(diagnosis.effects.back().parameters.front().value == doctest::Approx(0.5).epsilon(0.01));
+  }
+}
+
 TEST_CASE("declared friction that turns round at another velocity lacks nothing") {
   const Diagnosis diagnosis = diagnosed(moved(rubbing(0.5, 0.04), 30.0, 0.005), rubbing(0.5, 0.01));
   CHECK(diagnosis.verdict == Verdict::kNothingMissing);

@@ -12,6 +12,7 @@
 #include "core/model/effect.hpp"
 #include "tools/diagnose/effects/recipe_parts.hpp"
 #include "tools/diagnose/effects/relations.hpp"
+#include "tools/diagnose/regression/elementary.hpp"
 #include "tools/diagnose/regression/lateness.hpp"
 #include "tools/diagnose/search/search.hpp"
 
@@ -55,7 +56,8 @@ class TurnRound {
       : fitter_(fitter),
         nominal_(nominal),
         effects_(fitter.describe(nominal).effects),
-        torque_rate_(torqueRate(fitter.data())) {}
+        torque_rate_(torqueRate(fitter.data())),
+        plain_(elementaryColumns(fitter.data())) {}
 
   double velocity(int joint) {
     const double rms = velocityRms(fitter_.data(), joint);
@@ -80,11 +82,11 @@ class TurnRound {
 
  private:
   // What the joint leaves without its declared dry friction, and what else may take it up: the model's
-  // parameters, viscous friction, and a drive that is late, which turns friction round late as well. How late
-  // a drive is may be known already.
+  // parameters, plain effects, which may be missing as well and be larger, and a drive that is late, which
+  // turns friction round late as well. How late a drive is may be known already.
   void prepare(int joint) {
     left_ = ofJoint(nominal_.residual, joint);
-    Eigen::MatrixXd others(left_.size(), nominal_.tangent.cols() + 2);
+    Eigen::MatrixXd others(left_.size(), nominal_.tangent.cols() + 4);
     others.leftCols(nominal_.tangent.cols()) =
         nominal_.tangent.middleRows(joint * left_.size(), left_.size());
     for (std::size_t t = 0; t < nominal_.terms.size(); ++t) {
@@ -94,8 +96,13 @@ class TurnRound {
         others.middleCols(nominal_.offset[t], static_cast<Eigen::Index>(term.c.size())).setZero();
       }
     }
-    others.rightCols(2) << ofJoint(fitter_.basis(*viscousFriction(joint), {}), joint),
-        (hasTimedDrive(joint) ? 0.0 : 1.0) * ofJoint(torque_rate_, joint);
+    Eigen::Index at = nominal_.tangent.cols();
+    others.col(at++) = (hasTimedDrive(joint) ? 0.0 : 1.0) * ofJoint(torque_rate_, joint);
+    for (const ElementaryColumn& effect : plain_) {
+      if (effect.joint == joint && effect.kind != "coulomb_friction") {
+        others.col(at++) = ofJoint(effect.torque, joint);
+      }
+    }
     const Eigen::VectorXd length = others.colwise().norm();
     others *= (length.array() > 0.0).select(length, 1.0).cwiseInverse().matrix().asDiagonal();
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(others);
@@ -127,6 +134,7 @@ class TurnRound {
   const ModelFit& nominal_;
   std::vector<model::EffectDescription> effects_;
   Column torque_rate_;
+  std::vector<ElementaryColumn> plain_;
   Eigen::VectorXd left_;
   Eigen::MatrixXd taken_up_;
 };
