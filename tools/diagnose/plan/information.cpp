@@ -145,10 +145,33 @@ double Information::logDeterminant(const SampledMotion& motion) {
   return scaled.ldlt().vectorD().cwiseMax(kLeastInformation).array().log().sum();
 }
 
+// As Detector::of has it: the part of the column that its companions do not give, in units of noise.
+Information::Told Information::told(const Parts& parts, const SampledMotion& motion, std::size_t e) const {
+  const int joint = effects()[e].recipe->joint;
+  const Eigen::Index main = columns_.main()[e];
+  std::vector<Eigen::Index> companions(static_cast<std::size_t>(columns_.companions()[e]));
+  std::iota(companions.begin(), companions.end(), main + 1);
+  Eigen::MatrixXd whole = parts.gram;
+  whole.diagonal() += columns_.prior();
+  const double alone = schur(whole, {main}, companions)(0, 0) - columns_.prior()[main];
+  const double own = left(parts.gram, e);
+  const NoiseOfJoint& noise = options_.noise[static_cast<std::size_t>(joint)];
+  const double share = std::sqrt(std::max(0.0, alone) / std::max(parts.gram(main, main), 1e-300));
+  const double unit_Nm = std::sqrt(parts.plain(joint, main)) * share;
+  if (!(own > kLeastInformation * std::max(alone, 1e-300)) || !(unit_Nm > 0.0)) {
+    return {};
+  }
+  const double threshold = shown::kTypicalChance +
+                           std::log(kIndependent_Hz * motion.step_s * static_cast<double>(motion.q.size()));
+  const Detectable shape{.in_noise = std::sqrt(threshold / own) * unit_Nm / noise.noise_Nm,
+                         .own_share = std::sqrt(own / alone),
+                         .unit_Nm = unit_Nm};
+  return {.unit_Nm = unit_Nm,
+          .torque_Nm = smallestTorque_Nm(shape, threshold, noise.noise_Nm, noise.structure_Nm)};
+}
+
 std::vector<Revealed> Information::revealed(const SampledMotion& motion) {
   const Parts parts = partsOf(motion);
-  const double rows = kIndependent_Hz * motion.step_s * static_cast<double>(motion.q.size());
-  const double threshold = shown::kTypicalChance + std::log(rows);
   JointVector torque_Nm = JointVector::Zero(motion.q.cols());
   for (Eigen::Index i = 0; i < motion.q.rows(); ++i) {
     torque_Nm += columns_.torque()
@@ -157,29 +180,21 @@ std::vector<Revealed> Information::revealed(const SampledMotion& motion) {
                      .cwiseAbs2();
   }
   torque_Nm = (torque_Nm / static_cast<double>(motion.q.rows())).cwiseSqrt().eval();
+  // As loads_Nm() has it (regression/joint_rest.hpp).
+  const model::BaseParameters nominal = columns_.nominal();
+  JointVector load_Nm = torque_Nm;
+  for (Eigen::Index k = 0; k < nominal.size(); ++k) {
+    load_Nm = load_Nm.cwiseMax(parts.plain.col(k).cwiseSqrt() * std::abs(nominal[k])).eval();
+  }
   std::vector<Revealed> all;
   for (std::size_t e = 0; e < effects().size(); ++e) {
     const PlannedEffect& effect = effects()[e];
     const Recipe& recipe = *effect.recipe;
-    const Eigen::Index main = columns_.main()[e];
-    std::vector<Eigen::Index> companions(static_cast<std::size_t>(columns_.companions()[e]));
-    std::iota(companions.begin(), companions.end(), main + 1);
-    Eigen::MatrixXd whole = parts.gram;
-    whole.diagonal() += columns_.prior();
-    const double alone = schur(whole, {main}, companions)(0, 0) - columns_.prior()[main];
-    const double own = left(parts.gram, e);
-    const NoiseOfJoint& noise = options_.noise[static_cast<std::size_t>(recipe.joint)];
-    // As Detector::of has it: the part of the column that its companions do not give, in units of noise.
-    const double share = std::sqrt(std::max(0.0, alone) / std::max(parts.gram(main, main), 1e-300));
-    const double unit_Nm = std::sqrt(parts.plain(recipe.joint, main)) * share;
-    const bool shows = own > kLeastInformation * std::max(alone, 1e-300) && unit_Nm > 0.0;
-    const Detectable shape{
-        .in_noise = std::sqrt(threshold / std::max(own, 1e-300)) * unit_Nm / noise.noise_Nm,
-        .own_share = shows ? std::sqrt(own / alone) : 0.0,
-        .unit_Nm = unit_Nm};
-    const double smallest_Nm = smallestTorque_Nm(shape, threshold, noise.noise_Nm, noise.structure_Nm);
-    const Strength strength =
-        shows ? strengthAt(recipe, effect.nu, smallest_Nm / unit_Nm) : Strength{.main = INFINITY};
+    const Told told = this->told(parts, motion, e);
+    const double smallest_Nm = std::max(told.torque_Nm, accepted::kLeastOfLoad * load_Nm[recipe.joint]);
+    const Strength strength = std::isfinite(smallest_Nm)
+                                  ? strengthAt(recipe, effect.nu, smallest_Nm / told.unit_Nm)
+                                  : Strength{.main = INFINITY};
     all.push_back({.kind = recipe.kind,
                    .joint = recipe.joint,
                    .parameter = mainParameter(recipe.kind),
@@ -202,8 +217,11 @@ double Information::headroom(const SampledMotion& motion, const MotionLimits& li
   }
   const double samples = kIndependent_Hz * motion.step_s * static_cast<double>(motion.q.rows());
   const BestStates best = bestStates(columns_, columns_.main().front(), beside(0), noise_Nm, samples, limits);
-  const double own = left(partsOf(motion).gram, 0);
-  return own > 0.0 ? std::sqrt(best.bound / own) : std::nan("");
+  const Parts parts = partsOf(motion);
+  const double own = left(parts.gram, 0);
+  // A size that the load sets here may be another motion's as far as information goes.
+  const double above_told = revealed(motion).front().torque_rms_Nm / told(parts, motion, 0).torque_Nm;
+  return own > 0.0 ? above_told * std::sqrt(best.bound / own) : std::nan("");
 }
 
 }  // namespace patella::diagnose

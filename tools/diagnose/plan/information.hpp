@@ -4,6 +4,7 @@
 // β: base parameters; γ: declared effects; s: sizes of the effects that are planned for.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -51,7 +52,8 @@ class Information {
   double logDeterminant(const SampledMotion& motion);
 
   /// The smallest size of each effect that four in five recordings of the motion would reveal, each by
-  /// itself beside the nominal parameters (smallestTorque_Nm of verdict/power.hpp).
+  /// itself beside the nominal parameters (smallestTorque_Nm of verdict/power.hpp), and whose torque anybody
+  /// would miss (accepted::kLeastOfLoad).
   std::vector<Revealed> revealed(const SampledMotion& motion);
 
   /// How many times smaller sizes of the first effect the best motion of this duration within the limits
@@ -61,7 +63,13 @@ class Information {
 
  private:
   struct Parts;
+  /// What information alone tells of an effect.
+  struct Told {
+    double unit_Nm = 0.0;                                        ///< rms of one unit of it on its joint
+    double torque_Nm = std::numeric_limits<double>::infinity();  ///< smallest, rms; infinite where none
+  };
   Parts partsOf(const SampledMotion& motion);
+  Told told(const Parts& parts, const SampledMotion& motion, std::size_t effect) const;
   /// Columns that stand in the way of one effect's size: those of the model, and its companions.
   std::vector<Eigen::Index> beside(std::size_t effect) const;
   /// Information on one effect's size beside those.

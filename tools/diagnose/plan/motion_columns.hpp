@@ -22,6 +22,7 @@ class MotionColumns {
   std::span<const PlannedEffect> effects() const noexcept { return effects_; }
   Eigen::Index count() const noexcept { return prior_.size(); }
   Eigen::Index baseParameters() const noexcept { return bare_.mechanism().baseParameterCount(); }
+  model::BaseParameters nominal() const { return bare_.mechanism().baseParameters(); }
   /// Columns of the model, which come first.
   Eigen::Index ofModel() const noexcept { return main_.empty() ? count() : main_.front(); }
   /// Column of each planned effect's size, and how many companions follow it.
