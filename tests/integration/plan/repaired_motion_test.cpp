@@ -120,8 +120,10 @@ TEST_CASE("a motion that was too poor is repaired by the plan that its diagnosis
   for (const nlohmann::json& revealed : sizes["revealed"]) {
     CAPTURE(revealed.dump());
     CHECK(revealed["smallest_size"].is_number());
-    CHECK(revealed["any_motion_smaller_by_at_most"].get<double>() > 1.0);
-    CHECK(revealed["any_motion_smaller_by_at_most"].get<double>() < 4.0);
+    // The rig is so quiet that any of it shows that anybody would miss.
+    CHECK(revealed["share_of_torque"].get<double>() >= 0.002);
+    CHECK(revealed["share_of_torque"].get<double>() < 0.003);
+    CHECK(revealed["any_motion_smaller_by_at_most"].is_null());
   }
   CHECK(sizes["use_of_limits"]["position"].get<double>() <= 1.0);
   CHECK(app::readFile(plan / "plan.html").find("<svg") != std::string::npos);

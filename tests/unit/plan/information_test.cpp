@@ -107,6 +107,16 @@ TEST_CASE("a joint that dry friction holds tells nothing while it rests") {
   CHECK(spring(rests, true) == doctest::Approx(spring(moves, true)).epsilon(0.05));
 }
 
+TEST_CASE("a size whose torque nobody would miss is not promised, however little noise there is") {
+  const SampledMotion motion = swing(0.5);
+  const Revealed quiet = revealedOf("viscous_friction", motion, 1e-4);
+  CHECK(revealedOf("viscous_friction", motion, 1e-5).smallest_size == doctest::Approx(quiet.smallest_size));
+  // Gravity is most of what this knee's drive bears.
+  const double gravity_Nm = 9.81 * rms(motion.q.array().sin());
+  CHECK(quiet.torque_rms_Nm == doctest::Approx(0.002 * gravity_Nm).epsilon(0.1));
+  CHECK(quiet.smallest_size == doctest::Approx(quiet.torque_rms_Nm / rms(motion.dq)).epsilon(1e-6));
+}
+
 TEST_CASE("no motion tells more of viscous friction than one at the highest speed") {
   const SampledMotion motion = swing(0.5);
   const double highest_rad_s = 0.75 * 4.0;

@@ -12,6 +12,7 @@
 #include "firmware_app/files/wording.hpp"
 #include "tools/diagnose/output/revealed_json.hpp"
 #include "tools/diagnose/result/parameter_text.hpp"
+#include "tools/diagnose/thresholds.hpp"
 #include "tools/diagnose/verdict/power.hpp"
 
 namespace patella::diagnose {
@@ -182,13 +183,18 @@ void printPlan(const MotionPlan& plan, const PlanRequest& request, const std::fi
   out << words.motion << "\n  it takes " << words.use
       << " that a plan may take\n  four in five recordings of it would reveal, against noise of "
       << words.noise << ":\n";
-  out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}{:>8}\n", "effect", "joint", "from", "of torque", "limit");
+  const bool bounded = std::any_of(plan.headroom.begin(), plan.headroom.end(),
+                                   [](double headroom) { return std::isfinite(headroom); });
+  out << fmt::format("  {:<28}{:>6}  {:<26}{:>10}{}\n", "effect", "joint", "from", "of torque",
+                     bounded ? "   limit" : "");
   printSizes(plan.revealed, plan.headroom, request.model.mechanism, out);
   if (!plan.others.empty()) {
     out << (plan.revealed.empty() ? "" : "  and, without having been asked for:\n");
     printSizes(plan.others, {}, request.model.mechanism, out);
   }
-  if (!plan.revealed.empty()) {
+  out << fmt::format("  a torque of less than {} % of the load is nothing that anybody would miss\n",
+                     shortNumber(kPercent * accepted::kLeastOfLoad));
+  if (bounded) {
     out << "  limit: no motion of this duration, within these limits, shows sizes smaller by more than this "
            "factor\n";
   }

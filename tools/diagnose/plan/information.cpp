@@ -208,7 +208,9 @@ std::vector<Revealed> Information::revealed(const SampledMotion& motion) {
 
 double Information::headroom(const SampledMotion& motion, const MotionLimits& limits) {
   const Eigen::MatrixXd beyond_states = columns_.along(motion) - columns_.along(motion, false);
-  if (beyond_states.squaredNorm() > 0.0) {
+  const Parts parts = partsOf(motion);
+  if (beyond_states.squaredNorm() > 0.0 ||
+      told(parts, motion, 0).torque_Nm < revealed(motion).front().torque_rms_Nm) {
     return std::nan("");
   }
   std::vector<double> noise_Nm;
@@ -217,11 +219,8 @@ double Information::headroom(const SampledMotion& motion, const MotionLimits& li
   }
   const double samples = kIndependent_Hz * motion.step_s * static_cast<double>(motion.q.rows());
   const BestStates best = bestStates(columns_, columns_.main().front(), beside(0), noise_Nm, samples, limits);
-  const Parts parts = partsOf(motion);
   const double own = left(parts.gram, 0);
-  // A size that the load sets here may be another motion's as far as information goes.
-  const double above_told = revealed(motion).front().torque_rms_Nm / told(parts, motion, 0).torque_Nm;
-  return own > 0.0 ? above_told * std::sqrt(best.bound / own) : std::nan("");
+  return own > 0.0 ? std::sqrt(best.bound / own) : std::nan("");
 }
 
 }  // namespace patella::diagnose

@@ -57,8 +57,8 @@ class Information {
   std::vector<Revealed> revealed(const SampledMotion& motion);
 
   /// How many times smaller sizes of the first effect the best motion of this duration within the limits
-  /// could reveal, at most. Not a number for an effect that depends on time or on the past, nor where the
-  /// motion tells nothing of it.
+  /// could reveal, at most. Not a number for an effect that depends on time or on the past, where the motion
+  /// tells nothing of it, and where it tells more than anybody would miss.
   double headroom(const SampledMotion& motion, const MotionLimits& limits);
 
  private:
