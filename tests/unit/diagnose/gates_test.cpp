@@ -64,14 +64,9 @@ TEST_CASE("a brake in one part of the recording is not foreseen from the others"
 TEST_CASE("blocks add up to the whole fit") {
   const Two two([](const Motion& motion) { return 0.3 * motion.dq; });
   const BlockEquations blocks(two.larger, *two.larger.weighting, 20);
-  const Eigen::VectorXd best = blocks.solution(std::vector<double>(20, 1.0));
-  const auto errorAt = [&](const Eigen::VectorXd& x) {
-    double sum = 0.0;
-    for (std::size_t b = 0; b < 20; ++b) {
-      sum += blocks.error(b, x);
-    }
-    return sum;
-  };
+  const BlockEquations::Sums whole = blocks.sums(std::vector<double>(20, 1.0));
+  const Eigen::VectorXd best = blocks.solution(whole);
+  const auto errorAt = [&](const Eigen::VectorXd& x) { return whole.error(x); };
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(best.size());
   CHECK(errorAt(zero) == doctest::Approx(two.larger.weighting->apply(two.larger.residual).squaredNorm()));
   CHECK(blocks.priorError(zero) == doctest::Approx(two.larger.prior_residual.squaredNorm()));

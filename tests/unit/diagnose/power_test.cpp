@@ -112,8 +112,10 @@ TEST_CASE("a rehearsal asserts what is beyond chance and outweighs the rest") {
       .chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}, .least_Nm = {0.0}};
   const Obstacles all_unexplained{
       .chance = 10.0, .noise_Nm = {0.0}, .structure_Nm = {left_Nm}, .least_Nm = {0.0}};
-  const double above_chance = smallestAsserted({data, fit, sensors_only, alternating(data), 0});
-  const double above_rest = smallestAsserted({data, fit, all_unexplained, alternating(data), 0});
+  const double above_chance =
+      smallestAsserted({data, fit, productsForRehearsals(fit), sensors_only, alternating(data), 0});
+  const double above_rest =
+      smallestAsserted({data, fit, productsForRehearsals(fit), all_unexplained, alternating(data), 0});
   const double sine_rms = std::sqrt(0.5);
   CHECK(above_chance * sine_rms < left_Nm);
   CHECK(above_rest * sine_rms > asserted::kOverRest * left_Nm);
@@ -129,8 +131,9 @@ TEST_CASE("where a torque moves a given parameter far, the part reveals it that 
       .chance = 10.0, .noise_Nm = {2.0 * left_Nm}, .structure_Nm = {0.0}, .least_Nm = {0.0}};
   const Column apart = alternating(data);
   const Column given = fit.tangent.col(0) * (100.0 * apart.norm() / fit.tangent.col(0).norm());
-  const double by_part = smallestAsserted({data, fit, sensors_only, apart, 0});
-  CHECK(smallestAsserted({data, fit, sensors_only, given + apart, 0}) > 0.7 * by_part);
+  const double by_part = smallestAsserted({data, fit, productsForRehearsals(fit), sensors_only, apart, 0});
+  CHECK(smallestAsserted({data, fit, productsForRehearsals(fit), sensors_only, given + apart, 0}) >
+        0.7 * by_part);
 }
 
 TEST_CASE("a smallest size goes with a shape, that of the kind's plain variant") {

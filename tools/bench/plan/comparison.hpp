@@ -1,6 +1,7 @@
 // A planned motion against the best single sine of the same duration and limits.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,13 @@ struct Comparison {
   std::string effect;     ///< that is planned for: "payload@2"
   double sine = 0.0;      ///< smallest size that the sine reveals; the end of the physical range where none
   double planned = 0.0;   ///< the same of the plan
-  double headroom = 1.0;  ///< how many times smaller sizes any motion could reveal (Information::headroom)
+  double headroom = 1.0;  ///< Information::headroom: how many times smaller sizes any motion could reveal
   Taken taken;            ///< by the planned motion, with the effect hidden at that size
   double seconds = 0.0;   ///< of planning
 
   double factor() const noexcept { return sine / planned; }
-  /// The factor that no motion within the limits exceeds.
-  double possible() const noexcept { return factor() * headroom; }
+  /// The factor that no motion within the limits exceeds; the plan's own where nobody would miss less.
+  double possible() const noexcept { return std::isnan(headroom) ? factor() : factor() * headroom; }
 };
 
 struct CompareOptions {

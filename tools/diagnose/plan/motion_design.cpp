@@ -21,8 +21,8 @@ constexpr double kStaircases = 0.5;
 constexpr int kClimbed = 4;
 /// Steps of an evolution strategy: larger after a success, smaller after a failure, so that one in five
 /// succeeds (Rechenberg 1973; Kern et al. 2004, Natural Computing 3, 77–112).
-constexpr double kFirstStep = 0.3;
-constexpr double kLastStep = 0.1;
+constexpr double kStepOfStart = 0.3;
+constexpr double kStepOfRest = 0.1;
 constexpr double kGrowth = 1.5;
 constexpr double kSmallestStep = 1e-3;
 /// One in two steps moves one joint only.
@@ -37,12 +37,12 @@ struct Climber {
   Eigen::VectorXd point;             ///< of the family
   std::vector<Staircase> staircase;  ///< of each joint, as long as the point is made of them
   double value = -std::numeric_limits<double>::infinity();
-  double step = kFirstStep;
+  double step = kStepOfStart;
 };
 
-class Search {
+class MotionSearch {
  public:
-  Search(MotionFamily& family, Information& information, const DesignOptions& options)
+  MotionSearch(MotionFamily& family, Information& information, const DesignOptions& options)
       : family_(family), information_(information), options_(options), random_(options.seed) {}
 
   Climber best() {
@@ -69,7 +69,7 @@ class Search {
         *std::max_element(climbers.begin(), climbers.end(),
                           [](const Climber& a, const Climber& b) { return a.value < b.value; });
     highest.staircase.clear();
-    highest.step = kLastStep;
+    highest.step = kStepOfRest;
     climb(highest, options_.evaluations - used_);
     return highest;
   }
@@ -198,7 +198,7 @@ control::ReferenceSettings rounded(control::ReferenceSettings reference, int joi
 DesignedMotion designMotion(MotionFamily& family, Information& information, const JointVector& start_rad,
                             const MotionLimits& limits, const std::optional<Reach>& reach,
                             TorqueAlong& torque, double duration_s, const DesignOptions& options) {
-  Search search(family, information, options);
+  MotionSearch search(family, information, options);
   const Climber best = search.best();
   FourierMotion motion = family.at(best.point).value();
   DesignedMotion designed;

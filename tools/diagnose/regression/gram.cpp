@@ -21,4 +21,20 @@ Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of
   return gram;
 }
 
+std::vector<Eigen::MatrixXd> gramsByTime(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint,
+                                         int blocks) {
+  std::vector<Eigen::MatrixXd> grams(static_cast<std::size_t>(blocks),
+                                     Eigen::MatrixXd::Zero(columns.cols(), columns.cols()));
+  for (Eigen::Index first = 0; first < columns.rows(); first += rows_of_joint) {
+    const std::vector<Eigen::Index> felt = feltColumns(columns, first, rows_of_joint);
+    const Eigen::MatrixXd own = columns.middleRows(first, rows_of_joint)(Eigen::all, felt);
+    for (int b = 0; b < blocks; ++b) {
+      const Eigen::Index begin = rows_of_joint * b / blocks;
+      const Eigen::Index count = rows_of_joint * (b + 1) / blocks - begin;
+      grams[static_cast<std::size_t>(b)](felt, felt) += gramOf(own.middleRows(begin, count));
+    }
+  }
+  return grams;
+}
+
 }  // namespace patella::diagnose

@@ -23,4 +23,8 @@ std::vector<Eigen::Index> feltColumns(const Eigen::MatrixXd& columns, Eigen::Ind
 /// felt by the joints before them only.
 Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint);
 
+/// The same of each block of time: so many parts of each joint's rows.
+std::vector<Eigen::MatrixXd> gramsByTime(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint,
+                                         int blocks);
+
 }  // namespace patella::diagnose

@@ -34,19 +34,15 @@ Eigen::VectorXd centred(const Dataset& data, const Eigen::VectorXd& residual) {
   return result;
 }
 
-/// Calls visit(coefficients, first row among the innovations, its row in a Column, rows) for each joint and
-/// block.
+/// Calls visit(first row among a joint's innovations, its row among the joint's rows, rows) for each block.
 template <typename Visit>
 void eachRun(const Autoregression& process, const Dataset& data, Visit visit) {
   Eigen::Index at = 0;
-  for (int joint = 0; joint < data.joints(); ++joint) {
-    for (const Block& block : data.blocks()) {
-      const Eigen::Index count = block.end - block.first - process.order;
-      if (count > 0) {
-        visit(process.coefficients[static_cast<std::size_t>(joint)], at,
-              joint * data.rows() + block.first + process.order, count);
-        at += count;
-      }
+  for (const Block& block : data.blocks()) {
+    const Eigen::Index count = block.end - block.first - process.order;
+    if (count > 0) {
+      visit(at, block.first + process.order, count);
+      at += count;
     }
   }
 }
@@ -140,41 +136,56 @@ Eigen::Index Autoregression::rows(const Dataset& data) const {
   return count;
 }
 
+Eigen::VectorXd Autoregression::innovationsOf(const Dataset& data, int joint,
+                                              const Eigen::Ref<const Eigen::VectorXd>& column) const {
+  const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
+  Eigen::VectorXd result(rows(data));
+  eachRun(*this, data, [&](Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+    auto out = result.segment(at, count);
+    out = column.segment(first, count);
+    // Most effects act on one joint of up to eight.
+    if (column.segment(first - order, count + order).isZero(0.0)) {
+      return;
+    }
+    const auto lagged = [&](int k) { return column.segment(first - 1 - k, count); };
+    int k = 0;
+    // Four at a time: what this takes is reading and writing.
+    for (; k + 4 <= order; k += 4) {
+      out -=
+          a[k] * lagged(k) + a[k + 1] * lagged(k + 1) + a[k + 2] * lagged(k + 2) + a[k + 3] * lagged(k + 3);
+    }
+    for (; k < order; ++k) {
+      out -= a[k] * lagged(k);
+    }
+  });
+  return result;
+}
+
 Eigen::VectorXd Autoregression::innovations(const Dataset& data,
                                             const Eigen::Ref<const Eigen::VectorXd>& column) const {
-  Eigen::VectorXd result(rows(data) * data.joints());
-  eachRun(*this, data,
-          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
-            auto out = result.segment(at, count);
-            out = column.segment(first, count);
-            // Most effects act on one joint of up to eight.
-            if (column.segment(first - order, count + order).isZero(0.0)) {
-              return;
-            }
-            const auto lagged = [&](int k) { return column.segment(first - 1 - k, count); };
-            int k = 0;
-            // Four at a time: what this takes is reading and writing.
-            for (; k + 4 <= order; k += 4) {
-              out -= a[k] * lagged(k) + a[k + 1] * lagged(k + 1) + a[k + 2] * lagged(k + 2) +
-                     a[k + 3] * lagged(k + 3);
-            }
-            for (; k < order; ++k) {
-              out -= a[k] * lagged(k);
-            }
-          });
+  const Eigen::Index count = rows(data);
+  Eigen::VectorXd result(count * data.joints());
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    result.segment(joint * count, count) =
+        innovationsOf(data, joint, column.segment(joint * data.rows(), data.rows()));
+  }
   return result;
 }
 
 Eigen::VectorXd Autoregression::transposed(const Dataset& data, const Eigen::VectorXd& innovations) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(data.rows() * data.joints());
-  eachRun(*this, data,
-          [&](const Eigen::VectorXd& a, Eigen::Index at, Eigen::Index first, Eigen::Index count) {
-            const auto in = innovations.segment(at, count);
-            result.segment(first, count) += in;
-            for (int k = 0; k < order; ++k) {
-              result.segment(first - 1 - k, count) -= a[k] * in;
-            }
-          });
+  for (int joint = 0; joint < data.joints(); ++joint) {
+    const Eigen::VectorXd& a = coefficients[static_cast<std::size_t>(joint)];
+    auto out = result.segment(joint * data.rows(), data.rows());
+    const auto all = innovations.segment(joint * rows(data), rows(data));
+    eachRun(*this, data, [&](Eigen::Index at, Eigen::Index first, Eigen::Index count) {
+      const auto in = all.segment(at, count);
+      out.segment(first, count) += in;
+      for (int k = 0; k < order; ++k) {
+        out.segment(first - 1 - k, count) -= a[k] * in;
+      }
+    });
+  }
   return result;
 }
 
@@ -187,6 +198,17 @@ Weighting::Weighting(const Dataset& data, const Eigen::VectorXd& residual)
 
 Weighting Weighting::rescaled(const Eigen::VectorXd& residual) const {
   Weighting result = *this;
+  result.scaleTo(residual);
+  return result;
+}
+
+Weighting Weighting::refiltered(const Eigen::VectorXd& residual, std::span<const int> joints) const {
+  Weighting result = *this;
+  const Weighting whole(*data_, residual);
+  for (const int joint : joints) {
+    const auto number = static_cast<std::size_t>(joint);
+    result.filter_.coefficients[number] = whole.filter_.coefficients[number];
+  }
   result.scaleTo(residual);
   return result;
 }
@@ -227,6 +249,15 @@ Eigen::MatrixXd Weighting::filtered(const Eigen::Ref<const Eigen::MatrixXd>& col
   Eigen::MatrixXd result(rows_ * data_->joints(), columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     result.col(c) = filter_.innovations(*data_, columns.col(c));
+  }
+  return result;
+}
+
+Eigen::MatrixXd Weighting::filteredOf(int joint, const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  Eigen::MatrixXd result(rows_, columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    result.col(c) =
+        filter_.innovationsOf(*data_, joint, columns.col(c).segment(joint * data_->rows(), data_->rows()));
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,9 @@ struct Autoregression {
                             double white_share);
   /// Rows that are left of one joint: each block loses its first `order`.
   Eigen::Index rows(const Dataset& data) const;
+  /// Innovations of a column of one joint's rows.
+  Eigen::VectorXd innovationsOf(const Dataset& data, int joint,
+                                const Eigen::Ref<const Eigen::VectorXd>& column) const;
   /// Innovations of a column, one joint after the other.
   Eigen::VectorXd innovations(const Dataset& data, const Eigen::Ref<const Eigen::VectorXd>& column) const;
   /// The transposed map, of rows as innovations() gives them to a Column.
@@ -39,18 +43,23 @@ class Weighting {
   Weighting(const Dataset& data, const Eigen::VectorXd& residual);
   /// The same filter, scaled to another residual.
   Weighting rescaled(const Eigen::VectorXd& residual) const;
+  /// The same filter but on these joints, on which it is that of the residual; scaled to it.
+  Weighting refiltered(const Eigen::VectorXd& residual, std::span<const int> joints) const;
   /// The same filter and scale, with the joints' correlation left in; so are those that rescaled() makes of
   /// it.
   Weighting jointByJoint() const;
   /// Largest correlation between two joints of what it was scaled to, without its sign.
   double correlation() const;
 
+  int joints() const noexcept { return data_->joints(); }
   /// Number of one joint's rows.
   Eigen::Index rows() const noexcept { return rows_; }
   /// Columns in units of the residual's weighted standard deviation, the joints' correlation taken out.
   Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
   /// The first half of it: each joint filtered alone.
   Eigen::MatrixXd filtered(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  /// Its rows of one joint.
+  Eigen::MatrixXd filteredOf(int joint, const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
   /// The transposed second half: products of what filtered() gives with these rows are those of what apply()
   /// gives with the given ones.
   Eigen::MatrixXd gathered(const Eigen::Ref<const Eigen::MatrixXd>& weighted) const;

@@ -19,6 +19,11 @@ struct Gates {
   bool rest = true;              ///< asserted only with more torque than what nothing explains
 };
 
+/// Blocks of time of the bootstrap; a fold of the cross-validation is two of them, and so is a block of the
+/// jackknife: seconds long in a recording of half a minute, so that a person's push is forgotten from one to
+/// the next.
+inline constexpr int kTimeBlocks = 20;
+
 /// Normal equations of a linearised fit, block by block of time. Around the optimum the model is residual +
 /// tangent·x with the prior pulling x to where its own residual vanishes.
 struct BlockEquations {
@@ -30,18 +35,30 @@ struct BlockEquations {
   double prior_square = 0.0;
 
   BlockEquations(const ModelFit& fit, const Weighting& weighting, int blocks);
-  /// x where each block counts so many times.
-  Eigen::VectorXd solution(std::span<const double> weight) const;
+  /// From the products of the weighted tangent and the residual, its last column, with each other: one matrix
+  /// for each block. Of the fit what is known beforehand is looked at only.
+  BlockEquations(const ModelFit& fit, std::span<const Eigen::MatrixXd> products);
+  /// Sums over blocks, each of which counts so many times.
+  struct Sums {
+    Eigen::MatrixXd gram;
+    Eigen::VectorXd moment;
+    double square = 0.0;
+    /// Squared error at x.
+    double error(const Eigen::VectorXd& x) const;
+  };
+  Sums sums(std::span<const double> weight) const;
+  /// x of so many blocks, with what is known beforehand.
+  Eigen::VectorXd solution(const Sums& sums) const;
   /// Squared distance of x from what is known.
   double priorError(const Eigen::VectorXd& x) const;
-  /// Squared error of a block at x.
-  double error(std::size_t block, const Eigen::VectorXd& x) const;
 };
 
 /// A smaller and a larger fit of the same rows, on blocks of time.
 class Blockwise {
  public:
   Blockwise(const ModelFit& smaller, const ModelFit& larger);
+  /// Both of kTimeBlocks.
+  Blockwise(BlockEquations smaller, BlockEquations larger);
 
   /// Whether the larger fit is the better one on blocks that were not fitted: its gain in squared whitened
   /// error is positive by accepted::kCrossValidationErrors, or on all blocks but one at most. A block that
@@ -52,12 +69,14 @@ class Blockwise {
   bool isStable(double cost, std::uint64_t seed) const;
 
  private:
-  /// Falls that the larger model brings, parameters fitted to blocks with one weight and judged with another.
+  /// Falls that the larger model brings.
   struct Gain {
     double error = 0.0;  ///< of the squared error
     double prior = 0.0;  ///< of the squared distance from what is known
   };
+  /// Parameters fitted to blocks with one weight and judged with another, or with the same.
   Gain gain(std::span<const double> fitted, std::span<const double> judged) const;
+  Gain gain(std::span<const double> weight) const;
 
   BlockEquations without_;
   BlockEquations with_;
@@ -67,5 +86,7 @@ class Blockwise {
 /// holds what the noise model does not know, such as an effect that is not quite of its equation's shape. So
 /// wide that intervals of a normal distribution with it are those of Student's t for as many blocks.
 Eigen::MatrixXd jackknifeCovariance(const ModelFit& fit);
+/// The same of kTimeBlocks.
+Eigen::MatrixXd jackknifeCovariance(const BlockEquations& blocks);
 
 }  // namespace patella::diagnose

@@ -165,6 +165,7 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     obstacles.noise_Nm.push_back(rest.noise_Nm);
     obstacles.structure_Nm.push_back(rest.structure_Nm);
   }
+  const FilteredProducts products = productsForRehearsals(fit);
   std::map<std::string, std::vector<const Atom*>> by_label;
   for (const Atom& atom : atoms.items) {
     if (atom.recipe != nullptr && !known.contains(atom.recipe->label())) {
@@ -186,7 +187,7 @@ std::vector<Revealed> revealedBy(ModelFitter& fitter, const ModelFit& fit, const
     }
     Size size = median(std::move(sizes));
     if (size.atom != nullptr) {
-      size = rehearsed(size, Rehearsal(data, fit, obstacles, atoms.of(*size.atom), joint));
+      size = rehearsed(size, Rehearsal(data, fit, products, obstacles, atoms.of(*size.atom), joint));
     }
     const std::string& kind = points.front()->recipe->kind;
     all.push_back({.kind = kind,

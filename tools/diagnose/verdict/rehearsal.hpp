@@ -9,7 +9,9 @@
 #include <Eigen/Core>
 
 #include "tools/diagnose/fit/model_fit.hpp"
+#include "tools/diagnose/regression/filtered_products.hpp"
 #include "tools/diagnose/regression/noise_model.hpp"
+#include "tools/diagnose/search/gates.hpp"
 
 namespace patella::diagnose {
 
@@ -21,30 +23,53 @@ struct Obstacles {
   std::vector<double> least_Nm;      ///< torque on each joint below which nothing is missed
 };
 
+/// Products of the fit's tangent under its weighting, which all rehearsals share.
+FilteredProducts productsForRehearsals(const ModelFit& fit);
+
 class Rehearsal {
  public:
-  /// `columns` of an effect on `joint`: the first one is its strength, the others come with it. The dataset,
-  /// the fit and the obstacles must outlive it.
-  Rehearsal(const Dataset& data, const ModelFit& fit, const Obstacles& obstacles, Eigen::MatrixXd columns,
-            int joint);
+  /// `columns` of an effect on `joint`: the first one is its strength, the others come with it. `products`:
+  /// as above. The dataset, the fit and the obstacles must outlive it.
+  Rehearsal(const Dataset& data, const ModelFit& fit, const FilteredProducts& products,
+            const Obstacles& obstacles, const Eigen::MatrixXd& columns, int joint);
 
   /// Whether the search would assert the effect in four of five recordings that held so many times the part
   /// of the first column that the others do not give.
   bool asserts(double strength) const;
 
  private:
-  /// Linear fit of the parameters of the given fit, and of the effect.
-  ModelFit fitted(const Eigen::VectorXd& torque, const Weighting& weighting, bool with_effect) const;
-  bool accepts(const ModelFit& without, const ModelFit& with) const;
-  double chanceUnit(const ModelFit& with) const;
+  /// A linear fit of the parameters of the given fit, and of the effect.
+  struct Fitted {
+    ModelFit fit;          ///< without a tangent
+    Eigen::VectorXd left;  ///< the residual, as a combination of all_
+    Eigen::Index parameters() const noexcept { return fit.prior_weight.size(); }
+  };
+  /// Columns on the joints on which the effect acts are filtered as this torque asks for.
+  struct Filter {
+    Weighting weighting;
+    FilteredProducts products;
+  };
+  Filter filterFor(const Eigen::VectorXd& torque) const;
+  /// `torque`: a combination of all_.
+  Fitted fitted(const Eigen::VectorXd& torque, const Weighting& weighting, const FilteredProducts& products,
+                bool with_effect) const;
+  bool accepts(const Fitted& without, const Fitted& with, const FilteredProducts& products) const;
+  double chanceUnit(const ModelFit& with, const Eigen::MatrixXd& gram) const;
   bool outweighsRest(const ModelFit& without, const ModelFit& with) const;
+  /// Products of all_ under a weighting, block by block of time; what they say of a fit.
+  std::vector<Eigen::MatrixXd> gramsUnder(const Weighting& weighting) const;
+  BlockEquations blocksOf(const Fitted& fitted, std::span<const Eigen::MatrixXd> grams) const;
 
   const Dataset& data_;
   const ModelFit& fit_;
   const Obstacles& obstacles_;
-  Eigen::MatrixXd columns_;
-  Eigen::VectorXd shape_;
-  ModelFit with_;  ///< the effect fitted: nothing of it is in what that leaves
+  Eigen::MatrixXd all_;      ///< the fit's tangent, the effect's columns, the fit's residual
+  Eigen::Index given_;       ///< columns of the tangent
+  Eigen::Index own_;         ///< of the effect
+  std::vector<int> joints_;  ///< on which it acts
+  Eigen::VectorXd shape_;    ///< the part of its first column that the others do not give, of all_
+  FilteredProducts products_;
+  Fitted with_;  ///< the effect fitted: nothing of it is in what that leaves
   NoiseProcess noise_;
   double spread_;   ///< standard deviation of the strength
   double against_;  ///< strength that four of five recordings hold against an effect at most
