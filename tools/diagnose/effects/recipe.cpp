@@ -105,10 +105,6 @@ std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s) {
   return finished(std::move(recipe));
 }
 
-std::shared_ptr<const Recipe> viscousFriction(int joint) {
-  return finished(single("viscous_friction", {.joint = joint}, "coefficient_Nms_rad", true));
-}
-
 std::string_view betrayingVariable(std::string_view kind) {
   switch (effectHome(kind).shows) {
     case Shows::kPosition:

@@ -83,7 +83,6 @@ std::vector<std::shared_ptr<const Recipe>> recipes(const Dataset& data,
 
 /// Coulomb friction alone, at this smoothing velocity.
 std::shared_ptr<const Recipe> dryFriction(int joint, double smoothing_rad_s);
-std::shared_ptr<const Recipe> viscousFriction(int joint);
 
 /// The variable on which an effect shows: "q", "dq", "ddq", "tau", "time" or "activation".
 std::string_view betrayingVariable(std::string_view kind);
