@@ -243,6 +243,7 @@ void setNoise(const Arguments& a, std::vector<NoiseOfJoint> known, PlanRequest& 
             a.person_Nm[j], limit_Nm));
       }
       noise_Nm = std::hypot(noise_Nm, std::sqrt(kIndependent_Hz / kPushes_Hz) * a.person_Nm[j]);
+      request.noise[j].pushed = a.person_Nm[j] > 0.0;
     }
   }
 }

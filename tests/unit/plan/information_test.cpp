@@ -107,6 +107,28 @@ TEST_CASE("a joint that dry friction holds tells nothing while it rests") {
   CHECK(spring(rests, true) == doctest::Approx(spring(moves, true)).epsilon(0.05));
 }
 
+TEST_CASE("a joint that a person pushes tells nothing while it rests, nor where it creeps") {
+  SampledMotion creeps = swing(0.5);
+  constexpr Eigen::Index kMoving = 600;
+  for (Eigen::Index i = kMoving; i < creeps.q.rows(); ++i) {
+    const double since_s = creeps.step_s * static_cast<double>(i - kMoving);
+    creeps.q(i, 0) = -0.4 + 0.03 * std::sin(4.0 * since_s);
+    creeps.dq(i, 0) = 0.12 * std::cos(4.0 * since_s);
+    creeps.ddq(i, 0) = -0.48 * std::sin(4.0 * since_s);
+  }
+  SampledMotion moves = creeps;
+  moves.q.conservativeResize(kMoving, 1);
+  moves.dq.conservativeResize(kMoving, 1);
+  moves.ddq.conservativeResize(kMoving, 1);
+  const auto spring = [](const SampledMotion& motion, bool pushed) {
+    PlanRequest request = test::kneeRequest();
+    request.noise[0].pushed = pushed;
+    return revealedBy(request, motion).front().smallest_size;
+  };
+  CHECK(spring(creeps, false) < 0.7 * spring(moves, false));
+  CHECK(spring(creeps, true) == doctest::Approx(spring(moves, true)).epsilon(0.05));
+}
+
 TEST_CASE("a size whose torque nobody would miss is not promised, however little noise there is") {
   const SampledMotion motion = swing(0.5);
   const Revealed quiet = revealedOf("viscous_friction", motion, 1e-4);

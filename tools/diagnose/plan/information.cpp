@@ -43,7 +43,8 @@ bool holdsAtRest(std::string_view kind) {
 }
 
 std::vector<RestingJoint> heldAtRest(const model::ModelDescription& model,
-                                     std::span<const PlannedEffect> planned) {
+                                     std::span<const PlannedEffect> planned,
+                                     std::span<const NoiseOfJoint> noise) {
   std::set<int> joints;
   for (const model::EffectDescription& declared : model.effects) {
     if (holdsAtRest(declared.kind)) {
@@ -56,8 +57,11 @@ std::vector<RestingJoint> heldAtRest(const model::ModelDescription& model,
     }
   }
   std::vector<RestingJoint> held;
-  for (const int joint : joints) {
-    held.push_back({.joint = joint});
+  for (std::size_t joint = 0; joint < noise.size(); ++joint) {
+    const int number = static_cast<int>(joint);
+    if (noise[joint].pushed || joints.contains(number)) {
+      held.push_back({.joint = number, .pushed = noise[joint].pushed});
+    }
   }
   return held;
 }
@@ -90,7 +94,7 @@ Information::Information(const model::ModelDescription& model, std::vector<Plann
                          const InformationOptions& options)
     : options_(options),
       columns_(model, std::move(effects), options.nominal_tolerance),
-      held_at_rest_(heldAtRest(model, columns_.effects())) {}
+      held_at_rest_(heldAtRest(model, columns_.effects(), options_.noise)) {}
 
 Information::Parts Information::partsOf(const SampledMotion& motion) {
   Eigen::MatrixXd columns = columns_.along(motion);

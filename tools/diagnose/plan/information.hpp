@@ -29,6 +29,7 @@ inline constexpr double kPushes_Hz = 2.4;
 struct NoiseOfJoint {
   double noise_Nm = 0.0;      ///< rms within the analysis' band
   double structure_Nm = 0.0;  ///< what no effect explains beyond it
+  bool pushed = false;        ///< by a person, as a part of the noise
 };
 
 struct InformationOptions {
@@ -39,8 +40,9 @@ struct InformationOptions {
 
 class Information {
  public:
-  /// A joint whose dry friction is declared or planned for is held by it while it rests: such instants count
-  /// nothing, as in a diagnosis (stickingJoints of fit/sticking.hpp).
+  /// A joint whose dry friction is declared or planned for is held by it while it rests, and the way in which
+  /// a joint moves that a person pushes there is hers: such instants count nothing, as in a diagnosis
+  /// (restingJoints of fit/sticking.hpp).
   Information(const model::ModelDescription& model, std::vector<PlannedEffect> effects,
               const InformationOptions& options);
 
