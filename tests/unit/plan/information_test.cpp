@@ -28,6 +28,13 @@ SampledMotion swing(double amplitude_rad) {
   return motion;
 }
 
+SampledMotion beginningOf(const SampledMotion& motion, Eigen::Index rows) {
+  return {.step_s = motion.step_s,
+          .q = motion.q.topRows(rows),
+          .dq = motion.dq.topRows(rows),
+          .ddq = motion.ddq.topRows(rows)};
+}
+
 Revealed revealedOf(const std::string& effect, const SampledMotion& motion, double noise_Nm,
                     double structure_Nm = 0.0) {
   PlanRequest request = test::kneeRequest();
@@ -91,10 +98,7 @@ TEST_CASE("a joint that dry friction holds tells nothing while it rests") {
   rests.q.bottomRows(at_rest).setConstant(-0.4);
   rests.dq.bottomRows(at_rest).setZero();
   rests.ddq.bottomRows(at_rest).setZero();
-  SampledMotion moves = rests;
-  moves.q.conservativeResize(kMoving, 1);
-  moves.dq.conservativeResize(kMoving, 1);
-  moves.ddq.conservativeResize(kMoving, 1);
+  const SampledMotion moves = beginningOf(rests, kMoving);
   const auto spring = [](const SampledMotion& motion, bool rubs) {
     PlanRequest request = test::kneeRequest();
     if (rubs) {
@@ -116,10 +120,7 @@ TEST_CASE("a joint that a person pushes tells nothing while it rests, nor where 
     creeps.dq(i, 0) = 0.12 * std::cos(4.0 * since_s);
     creeps.ddq(i, 0) = -0.48 * std::sin(4.0 * since_s);
   }
-  SampledMotion moves = creeps;
-  moves.q.conservativeResize(kMoving, 1);
-  moves.dq.conservativeResize(kMoving, 1);
-  moves.ddq.conservativeResize(kMoving, 1);
+  const SampledMotion moves = beginningOf(creeps, kMoving);
   const auto spring = [](const SampledMotion& motion, bool pushed) {
     PlanRequest request = test::kneeRequest();
     request.noise[0].pushed = pushed;
