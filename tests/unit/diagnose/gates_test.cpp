@@ -82,7 +82,7 @@ TEST_CASE("products by joint are those of whole columns, whichever joints feel t
   columns.block(4, 0, 8, 1).setZero();
   columns.block(0, 2, 12, 1).setZero();
   columns.block(8, 3, 4, 1).setZero();
-  CHECK((gramByJoint(columns, 4) - columns.transpose() * columns).norm() < 1e-12);
+  CHECK((gramsByTime(columns, 4, 1).front() - columns.transpose() * columns).norm() < 1e-12);
 }
 
 }  // namespace

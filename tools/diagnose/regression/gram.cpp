@@ -12,15 +12,6 @@ std::vector<Eigen::Index> feltColumns(const Eigen::MatrixXd& columns, Eigen::Ind
   return felt;
 }
 
-Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  for (Eigen::Index first = 0; first < columns.rows(); first += rows_of_joint) {
-    const std::vector<Eigen::Index> felt = feltColumns(columns, first, rows_of_joint);
-    gram(felt, felt) += gramOf(columns.middleRows(first, rows_of_joint)(Eigen::all, felt).eval());
-  }
-  return gram;
-}
-
 std::vector<Eigen::MatrixXd> gramsByTime(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint,
                                          int blocks) {
   std::vector<Eigen::MatrixXd> grams(static_cast<std::size_t>(blocks),

@@ -19,11 +19,8 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixBase<Columns>& columns) {
 /// the joints before them only.
 std::vector<Eigen::Index> feltColumns(const Eigen::MatrixXd& columns, Eigen::Index first, Eigen::Index rows);
 
-/// columnsᵀ·columns of columns of several joints, so many rows each: most parameters of a chain's links are
-/// felt by the joints before them only.
-Eigen::MatrixXd gramByJoint(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint);
-
-/// The same of each block of time: so many parts of each joint's rows.
+/// columnsᵀ·columns of columns of several joints, so many rows each, block by block of time: of so many parts
+/// of each joint's rows. Most parameters of a chain's links are felt by the joints before them only.
 std::vector<Eigen::MatrixXd> gramsByTime(const Eigen::MatrixXd& columns, Eigen::Index rows_of_joint,
                                          int blocks);
 
